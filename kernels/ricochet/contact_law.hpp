@@ -65,7 +65,9 @@ struct Restitution {
   Real keep_tangent, swap_tangent; ///< (1 + beta)/2, (1 - beta)/2
 
   Restitution(Real alpha, Real beta)
-    : keep_normal((1 - alpha) / 2), swap_normal((1 + alpha) / 2), keep_tangent((1 + beta) / 2),
+    : keep_normal((1 - alpha) / 2),
+      swap_normal((1 + alpha) / 2),
+      keep_tangent((1 + beta) / 2),
       swap_tangent((1 - beta) / 2)
   {
   }

@@ -57,9 +57,18 @@ class Merge {
     const_cast<value_type&>(into).merge(const_cast<value_type const&>(from));
   }
 #endif
-  KOKKOS_INLINE_FUNCTION value_type& reference() const { return *result_.data(); }
-  KOKKOS_INLINE_FUNCTION result_view_type view() const { return result_; }
-  KOKKOS_INLINE_FUNCTION bool references_scalar() const { return false; }
+  KOKKOS_INLINE_FUNCTION value_type& reference() const
+  {
+    return *result_.data();
+  }
+  KOKKOS_INLINE_FUNCTION result_view_type view() const
+  {
+    return result_;
+  }
+  KOKKOS_INLINE_FUNCTION bool references_scalar() const
+  {
+    return false;
+  }
 
  private:
   result_view_type result_;

@@ -1,0 +1,111 @@
+// Looks at a state: which discs overlap, how deeply, and how far any is beyond a wall.
+#pragma once
+
+#include "ricochet/books.hpp"
+#include "ricochet/cell_grid.hpp"
+#include "ricochet/contact_law.hpp"
+#include "ricochet/domain.hpp"
+
+namespace ricochet {
+
+/// What a disc's overlaps at the start of a step ask of the engines.
+namespace contact {
+constexpr unsigned char none = 0;
+constexpr unsigned char with_lower_ids = 1; ///< only with discs of lower id
+constexpr unsigned char with_higher_id = 2; ///< with at least one disc of higher id
+} // namespace contact
+
+template <class Space>
+using ContactFlags = Kokkos::View<unsigned char*, typename Space::memory_space>;
+
+/// Distance beyond the walls [length]; negative inside. A periodic axis has no walls.
+struct Outside {
+  double high_x, high_y, radius;
+
+  explicit Outside(Model const& model)
+    : high_x(model.box.x == Boundary::walls ? model.box.width / 2
+                                            : std::numeric_limits<double>::infinity()),
+      high_y(model.box.y == Boundary::walls ? model.box.height / 2
+                                            : std::numeric_limits<double>::infinity()),
+      radius(model.radius)
+  {
+  }
+
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION double operator()(Vec2<Real> p) const
+  {
+    double const beyond_x = fabs(static_cast<double>(p.x)) + radius - high_x;
+    double const beyond_y = fabs(static_cast<double>(p.y)) + radius - high_y;
+    return beyond_x > beyond_y ? beyond_x : beyond_y;
+  }
+};
+
+/// Flags every disc that overlaps another, and reports the extremes of the state.
+template <class Space, class Real, bool periodic>
+struct FindContacts {
+  Discs<Space, Real> discs;
+  Cells<Space> cells;
+  Domain<Real, periodic> domain;
+  Outside outside;
+  Real diameter;
+  ContactFlags<Space> contacts; ///< by id
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
+  {
+    auto const p = discs.position(i);
+    Real const reach = diameter * diameter;
+    Real nearest = reach;
+    bool higher = false;
+    cells.template for_neighbours<periodic>(p, [&](int first, int last) {
+      for (int k = cells.start(first); k < cells.start(last + 1); ++k) {
+        auto const d = domain.separation(p, discs.position(k));
+        Real const distance2 = dot(d, d);
+        if (distance2 < reach && k != i) {
+          higher = higher || discs.id(k) > discs.id(i);
+          nearest = distance2 < nearest ? distance2 : nearest;
+        }
+      }
+    });
+    contacts(discs.id(i)) = higher            ? contact::with_higher_id
+                            : nearest < reach ? contact::with_lower_ids
+                                              : contact::none;
+    double const size = static_cast<double>(diameter);
+    if (nearest < reach) {
+      double const overlap = (size - sqrt(static_cast<double>(nearest))) / size;
+      books.max_overlap = overlap > books.max_overlap ? overlap : books.max_overlap;
+    }
+    double const beyond = outside(p) / size;
+    books.max_outside = beyond > books.max_outside ? beyond : books.max_outside;
+  }
+};
+
+/// What the pair step of a fixed-step engine works on: a state sorted into cells, its overlaps
+/// flagged, and the constants of the run.
+template <class Space, class Real>
+struct PairState {
+  Discs<Space, Real> discs;
+  Cells<Space> cells;
+  typename CellGrid<Space, Real>::Ints slot_of_id;
+  ContactFlags<Space> contacts; ///< by id
+  Real diameter;
+  double gravity;
+  Scales scales;
+  BooksView<Space> books; ///< of the run
+};
+
+/// Enters what the contact law did to a pair whose centres are `separation` apart.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void enter_collision(PairVelocity<Real> const& before,
+                                            PairVelocity<Real> const& after, Vec2<Real> separation,
+                                            Scales const& scales, Books& books)
+{
+  books.lost_pairs.add((kinetic_energy(before.first) + kinetic_energy(before.second)) -
+                           (kinetic_energy(after.first) + kinetic_energy(after.second)),
+                       scales.energy);
+  // Half the difference of the two kicks: each of them where the law conserves momentum.
+  auto const kick = (as<double>(after.second) - as<double>(before.second)) -
+                    (as<double>(after.first) - as<double>(before.first));
+  books.virial.add(0.5 * dot(kick, as<double>(separation)), scales.virial);
+}
+
+} // namespace ricochet

@@ -1,0 +1,48 @@
+// The state of all discs on the device.
+#pragma once
+
+#include "ricochet/vec2.hpp"
+
+#include <string>
+
+namespace ricochet {
+
+/// Positions, velocities and ids of N discs, one View a component.
+///
+/// A disc's place in the arrays (its slot) is a matter of storage and changes when discs are sorted
+/// into cells; its id is its place in the initial state and never changes.
+template <class Space, class Real>
+struct Discs {
+  using Memory = typename Space::memory_space;
+
+  Kokkos::View<Real*, Memory> x, y, vx, vy;
+  Kokkos::View<int*, Memory> id;
+
+  Discs() = default;
+  explicit Discs(int count)
+    : x(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::x", count)),
+      y(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::y", count)),
+      vx(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vx", count)),
+      vy(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vy", count)),
+      id(uninitialised<Kokkos::View<int*, Memory>>("ricochet::id", count))
+  {
+  }
+
+  int count() const { return static_cast<int>(id.extent(0)); }
+
+  KOKKOS_INLINE_FUNCTION Vec2<Real> position(int slot) const { return {x(slot), y(slot)}; }
+  KOKKOS_INLINE_FUNCTION Vec2<Real> velocity(int slot) const { return {vx(slot), vy(slot)}; }
+
+  KOKKOS_INLINE_FUNCTION void set_position(int slot, Vec2<Real> p) const
+  {
+    x(slot) = p.x;
+    y(slot) = p.y;
+  }
+  KOKKOS_INLINE_FUNCTION void set_velocity(int slot, Vec2<Real> v) const
+  {
+    vx(slot) = v.x;
+    vy(slot) = v.y;
+  }
+};
+
+} // namespace ricochet

@@ -1,0 +1,79 @@
+// The box as the kernels see it: separations and positions on periodic axes.
+#pragma once
+
+#include "ricochet/model.hpp"
+#include "ricochet/vec2.hpp"
+
+#include <limits>
+
+namespace ricochet {
+
+/// Periodicity of the plane. `periodic` says whether any axis is; where none is, all of this
+/// compiles to nothing. An axis with walls has an infinite period, which never wraps.
+template <class Real, bool periodic>
+class Domain {
+ public:
+  static constexpr bool is_periodic = periodic;
+
+  explicit Domain(Box const& box)
+  {
+    if (box.x == Boundary::periodic)
+      x_ = {static_cast<Real>(box.width), static_cast<Real>(box.width) / 2};
+    if (box.y == Boundary::periodic)
+      y_ = {static_cast<Real>(box.height), static_cast<Real>(box.height) / 2};
+  }
+
+  /// Vector from `a` to the nearest image of `b`, for positions inside the box.
+  KOKKOS_INLINE_FUNCTION Vec2<Real> separation(Vec2<Real> a, Vec2<Real> b) const
+  {
+    auto d = b - a;
+    if constexpr (periodic) {
+      d.x = x_.nearest(d.x);
+      d.y = y_.nearest(d.y);
+    }
+    return d;
+  }
+
+  /// The image of `p` inside the box, [-L/2, L/2) on each periodic axis of length L.
+  KOKKOS_INLINE_FUNCTION Vec2<Real> wrapped(Vec2<Real> p) const
+  {
+    if constexpr (periodic)
+      return {x_.wrapped(p.x), y_.wrapped(p.y)};
+    else
+      return p;
+  }
+
+ private:
+  struct Axis {
+    Real length = std::numeric_limits<Real>::infinity();
+    Real half = std::numeric_limits<Real>::infinity();
+
+    KOKKOS_INLINE_FUNCTION Real nearest(Real d) const
+    {
+      if (d > half)
+        return d - length;
+      if (d < -half)
+        return d + length;
+      return d;
+    }
+
+    KOKKOS_INLINE_FUNCTION Real wrapped(Real p) const
+    {
+      if (!(p < -half || p >= half))
+        return p;
+      Real const image = p - length * floor((p + half) / length);
+      // Rounding may end on, or just past, the far side, which is the near side of the next image.
+      return image >= -half && image < half ? image : -half;
+    }
+  };
+
+  Axis x_, y_;
+};
+
+/// Whether any axis of the box is periodic.
+inline bool is_periodic(Box const& box)
+{
+  return box.x == Boundary::periodic || box.y == Boundary::periodic;
+}
+
+} // namespace ricochet

@@ -1,0 +1,233 @@
+// The time step of the original model, shared by the engines that follow it.
+#pragma once
+
+#include "ricochet/contacts.hpp"
+#include "ricochet/diagnostics.hpp"
+#include "ricochet/engine.hpp"
+#include "ricochet/flight.hpp"
+#include "ricochet/reproducible.hpp"
+#include "ricochet/walls.hpp"
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <variant>
+
+namespace ricochet {
+
+/// An engine that advances all discs by the same fixed step: contacts, then motion, then walls.
+///
+/// `PairStep` resolves the contacts of a state whose overlaps were found. All work is queued on one
+/// execution space instance; only report(), states() and state_hash() wait for it.
+template <class Space, class Real, class PairStep>
+class FixedStep : public Engine {
+  static_assert(Kokkos::SpaceAccessibility<Space, typename Space::memory_space>::accessible,
+                "the kernels must be able to access the discs they are given");
+
+ public:
+  FixedStep(Model const& model, Method const& method, std::vector<DiscState> const& initial)
+    : model_(model),
+      dt_(method.dt),
+      law_(contact_law<Real>(model.contact)),
+      discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
+      grid_(model, discs_.count()),
+      pairs_(grid_.cells(), discs_.count()),
+      contacts_("ricochet::contacts", discs_.count()),
+      books_("ricochet::books"),
+      part_("ricochet::part_of_books"),
+      scales_(scales_for(model, initial))
+  {
+    if (contracts<double>(space_) || contracts<float>(space_))
+      throw std::runtime_error(
+          "this build fuses multiplications and additions (floating-point contraction), so its "
+          "results would differ from other machines': build with -ffp-contract=off, or "
+          "--fmad=false");
+    with_domain([&](auto const& domain) { wrap_all(space_, discs_, domain); });
+    auto const start = totals(space_, discs_, model_, scales_);
+    kinetic_initial_ = start.kinetic.value(scales_.energy);
+    potential_initial_ = start.potential.value(scales_.energy);
+    note_warnings(method.engine);
+  }
+
+  void advance(std::int64_t steps) override
+  {
+    for (std::int64_t k = 0; k < steps; ++k)
+      step();
+  }
+
+  Report report() override;
+
+  void states(DiscState* out) override { copy_states(space_, discs_, out); }
+  std::uint64_t state_hash() override { return ricochet::state_hash(space_, discs_); }
+  std::vector<std::string> warnings() const override { return warnings_; }
+  std::string backend() const override { return Space::name(); }
+  int threads() const override { return space_.concurrency(); }
+
+ private:
+  void step()
+  {
+    ProfilingRegion const region("ricochet::step");
+    find_contacts();
+    resolve_contacts();
+    fly(space_, discs_, model_.gravity, dt_);
+    bounce_off_walls(space_, discs_, model_, scales_, part_);
+    enter<Space>(space_, books_, part_);
+    contacts_known_ = false;
+    ++steps_;
+  }
+
+ public: // nvcc takes device lambdas and launches only from public functions
+  void find_contacts();
+  void resolve_contacts();
+
+ private:
+  /// Calls use(domain) with the domain of the box, compiled for boxes with and without periodic
+  /// axes.
+  template <class Use>
+  void with_domain(Use const& use) const
+  {
+    if (is_periodic(model_.box))
+      use(Domain<Real, true>(model_.box));
+    else
+      use(Domain<Real, false>(model_.box));
+  }
+
+  void note_warnings(EngineKind engine);
+
+  static Scales scales_for(Model const& model, std::vector<DiscState> const& initial)
+  {
+    double kinetic = 0;
+    for (auto const& disc : initial)
+      kinetic += 0.5 * (disc.vx * disc.vx + disc.vy * disc.vy);
+    auto const count = static_cast<double>(initial.size());
+    double const energy = kinetic + count * std::fabs(model.gravity) * model.box.height;
+    double const momentum = std::sqrt(2 * energy * count);
+    return {power_scale(energy), power_scale(momentum), power_scale(momentum * 2 * model.radius)};
+  }
+
+  Space space_;
+  Model model_;
+  double dt_;
+  AnyLaw<Real> law_;
+  Discs<Space, Real> discs_;
+  CellGrid<Space, Real> grid_;
+  PairStep pairs_;
+  ContactFlags<Space> contacts_;
+  BooksView<Space> books_, part_;
+  Scales scales_;
+  double kinetic_initial_ = 0, potential_initial_ = 0;
+  std::int64_t steps_ = 0;
+  std::vector<std::string> warnings_;
+  bool contacts_known_ = false; ///< whether cells and contacts are those of the present state
+};
+
+/// Brings every disc to its image inside the box.
+template <class Space, class Real, bool periodic>
+void wrap_all(Space const& space, Discs<Space, Real> const& discs,
+              Domain<Real, periodic> const& domain)
+{
+  if constexpr (periodic)
+    Kokkos::parallel_for(
+        "ricochet::wrap_all", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+        KOKKOS_LAMBDA(int i) { discs.set_position(i, domain.wrapped(discs.position(i))); });
+}
+
+/// Sorts the discs into cells, flags those that overlap and notes the extremes of the state. What a
+/// report has found serves the next step as well.
+template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::find_contacts()
+{
+  if (contacts_known_)
+    return;
+  ProfilingRegion const region("ricochet::find_contacts");
+  grid_.sort(space_, discs_);
+  with_domain([&](auto const& domain) {
+    using DomainType = std::decay_t<decltype(domain)>;
+    Kokkos::parallel_reduce("ricochet::find_contacts",
+                            Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
+                            FindContacts<Space, Real, DomainType::is_periodic>{
+                                discs_, grid_.cells(), domain, Outside(model_),
+                                static_cast<Real>(2) * static_cast<Real>(model_.radius), contacts_},
+                            Merge<Books, Space>(part_));
+  });
+  enter<Space>(space_, books_, part_);
+  contacts_known_ = true;
+}
+
+template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::resolve_contacts()
+{
+  ProfilingRegion const region("ricochet::resolve_contacts");
+  PairState<Space, Real> const state{discs_,
+                                     grid_.cells(),
+                                     grid_.slot_of_id(),
+                                     contacts_,
+                                     static_cast<Real>(2) * static_cast<Real>(model_.radius),
+                                     model_.gravity,
+                                     scales_,
+                                     books_};
+  with_domain([&](auto const& domain) {
+    std::visit([&](auto const& law) { pairs_.resolve(space_, state, domain, law); }, law_);
+  });
+}
+
+template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::note_warnings(EngineKind engine)
+{
+  if (engine == EngineKind::simultaneous)
+    warnings_.push_back("engine simultaneous gains energy wherever discs stay in contact, at any "
+                        "step length; it exists to reproduce the original's parallel variant");
+  find_contacts();
+  Books books;
+  Kokkos::deep_copy(books, books_);
+  auto const percent = [](double share) { return std::to_string(std::lround(100 * share)) + " %"; };
+  if (books.max_overlap > 0)
+    warnings_.push_back("discs overlap at the start, by up to " + percent(books.max_overlap) +
+                        " of a diameter");
+  double const packing = packing_fraction(model_, static_cast<std::size_t>(discs_.count()));
+  if (packing > 0.9069)
+    warnings_.push_back("the discs cover " + percent(packing) +
+                        " of the box; without overlaps at most 90.69 % is possible");
+  if (books.max_outside > 0)
+    warnings_.push_back("discs reach beyond a wall at the start, by up to " +
+                        percent(books.max_outside) + " of a diameter");
+}
+
+template <class Space, class Real, class PairStep>
+Report FixedStep<Space, Real, PairStep>::report()
+{
+  find_contacts();
+  auto const now = totals(space_, discs_, model_, scales_);
+  Books books;
+  Kokkos::deep_copy(books, books_);
+
+  Report report;
+  report.discs = discs_.count();
+  report.steps = steps_;
+  report.time = static_cast<double>(steps_) * dt_;
+  report.collisions = books.collisions;
+  report.separating_hits = books.separating_hits;
+  report.wall_hits = books.wall_hits;
+  report.max_overlap = books.max_overlap;
+  report.max_outside = books.max_outside;
+  report.energy.kinetic_initial = kinetic_initial_;
+  report.energy.potential_initial = potential_initial_;
+  report.energy.kinetic = now.kinetic.value(scales_.energy);
+  report.energy.potential = now.potential.value(scales_.energy);
+  report.energy.lost_pairs = books.lost_pairs.value(scales_.energy);
+  report.energy.lost_walls = books.lost_walls.value(scales_.energy);
+  report.energy.numerical = books.numerical.value(scales_.energy) +
+                            static_cast<double>(steps_) * static_cast<double>(report.discs) *
+                                flight_error<Real>(model_.gravity, dt_);
+  report.momentum_x = now.momentum_x.value(scales_.momentum);
+  report.momentum_y = now.momentum_y.value(scales_.momentum);
+  if (report.discs > 0)
+    report.temperature = report.energy.kinetic / static_cast<double>(report.discs);
+  double const virial_unit =
+      2 * static_cast<double>(report.discs) * report.temperature * report.time;
+  if (virial_unit > 0)
+    report.pressure_z = 1 + books.virial.value(scales_.virial) / virial_unit;
+  return report;
+}
+
+} // namespace ricochet

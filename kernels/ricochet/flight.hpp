@@ -1,0 +1,49 @@
+// Motion of a disc between contacts.
+#pragma once
+
+#include "ricochet/discs.hpp"
+
+namespace ricochet {
+
+/// The original's motion over one step, semi-implicit Euler: v' = v - g dt, x' = x + v' dt.
+/// Each step changes a disc's energy by exactly -(g dt)^2 / 2, see flight_error().
+template <class Space, class Real, bool gravity>
+struct Fly {
+  Discs<Space, Real> discs;
+  Real dt;
+  Real velocity_gain; ///< g dt
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  {
+    auto v = discs.velocity(i);
+    if constexpr (gravity) {
+      v.y = v.y - velocity_gain;
+      discs.vy(i) = v.y;
+    }
+    discs.set_position(i, discs.position(i) + dt * v);
+  }
+};
+
+/// Moves every disc through one step; walls and other discs are ignored.
+template <class Space, class Real>
+void fly(Space const& space, Discs<Space, Real> const& discs, double gravity, double dt)
+{
+  auto const step = static_cast<Real>(dt);
+  auto const gain = static_cast<Real>(gravity) * step;
+  Kokkos::RangePolicy<Space> const all(space, 0, discs.count());
+  if (gravity != 0)
+    Kokkos::parallel_for("ricochet::fly", all, Fly<Space, Real, true>{discs, step, gain});
+  else
+    Kokkos::parallel_for("ricochet::fly", all, Fly<Space, Real, false>{discs, step, gain});
+}
+
+/// Energy that fly() gives a disc in one step. With G = g dt:
+///   kinetic: ((v - G)^2 - v^2)/2 = -v G + G^2/2,   potential: g (v - G) dt = v G - G^2.
+template <class Real>
+double flight_error(double gravity, double dt)
+{
+  auto const gain = static_cast<double>(static_cast<Real>(gravity) * static_cast<Real>(dt));
+  return -0.5 * gain * gain;
+}
+
+} // namespace ricochet

@@ -1,0 +1,28 @@
+// The execution spaces that the library is compiled for.
+#pragma once
+
+#include "ricochet/kokkos_compat.hpp"
+
+#include <type_traits>
+
+namespace ricochet {
+
+/// Where kernels run unless a run is better served by one thread.
+using ParallelSpace = Kokkos::DefaultExecutionSpace;
+
+/// One thread of the host: what small runs use instead of a host backend's threads. Without Kokkos'
+/// Serial backend it is the default backend again.
+#if defined(KOKKOS_ENABLE_SERIAL)
+using SerialSpace = Kokkos::Serial;
+#else
+using SerialSpace = Kokkos::DefaultHostExecutionSpace;
+#endif
+
+/// Whether the two differ.
+constexpr bool has_two_spaces = !std::is_same_v<ParallelSpace, SerialSpace>;
+
+/// Whether the default backend is a device with a memory of its own.
+constexpr bool parallel_is_device =
+    !Kokkos::SpaceAccessibility<ParallelSpace, Kokkos::HostSpace>::accessible;
+
+} // namespace ricochet

@@ -1,0 +1,126 @@
+// What happens to a disc at the ends of the box.
+#pragma once
+
+#include "ricochet/books.hpp"
+#include "ricochet/discs.hpp"
+#include "ricochet/domain.hpp"
+#include "ricochet/model.hpp"
+
+namespace ricochet {
+
+/// One wall's rule: the position is mirrored at the wall, the normal velocity multiplied by -alpha
+/// and the tangential velocity by beta.
+template <class Real, bool dissipative>
+struct WallRule {
+  Real alpha, beta;
+
+  KOKKOS_INLINE_FUNCTION Real normal(Real v) const
+  {
+    if constexpr (dissipative)
+      return -(alpha * v);
+    else
+      return -v;
+  }
+
+  KOKKOS_INLINE_FUNCTION Real tangential(Real v) const
+  {
+    if constexpr (dissipative)
+      return beta * v;
+    else
+      return v;
+  }
+};
+
+/// The original's walls: at most one wall a step, in the order left, right, top, bottom. A disc in
+/// a corner therefore meets its second wall one step later.
+template <class Space, class Real, bool walls_x, bool walls_y, bool dissipative>
+struct BounceOffWalls {
+  Discs<Space, Real> discs;
+  Domain<Real, !(walls_x && walls_y)> domain;
+  WallRule<Real, dissipative> rule;
+  Real high_x, high_y; ///< the right and the top wall; the others are opposite
+  Real radius;
+  double gravity;
+  Scales scales;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
+  {
+    auto const p = domain.wrapped(discs.position(i));
+    auto const v = discs.velocity(i);
+    auto mirrored = p;
+    bool hit_x = false, hit_y = false;
+    if constexpr (walls_x) {
+      if (p.x - radius < -high_x) {
+        mirrored.x = p.x + 2 * ((-high_x - p.x) + radius);
+        hit_x = true;
+      } else if (p.x + radius > high_x) {
+        mirrored.x = p.x - 2 * ((p.x + radius) - high_x);
+        hit_x = true;
+      }
+    }
+    if constexpr (walls_y) {
+      if (!hit_x) {
+        if (p.y + radius > high_y) {
+          mirrored.y = p.y - 2 * ((p.y + radius) - high_y);
+          hit_y = true;
+        } else if (p.y - radius < -high_y) {
+          mirrored.y = p.y + 2 * ((-high_y - p.y) + radius);
+          hit_y = true;
+        }
+      }
+    }
+    if (hit_x || hit_y) {
+      Vec2<Real> const after = hit_x ? Vec2<Real>{rule.normal(v.x), rule.tangential(v.y)}
+                                     : Vec2<Real>{rule.tangential(v.x), rule.normal(v.y)};
+      discs.set_velocity(i, after);
+      ++books.wall_hits;
+      books.lost_walls.add(kinetic_energy(v) - kinetic_energy(after), scales.energy);
+      books.numerical.add(gravity * (static_cast<double>(mirrored.y) - static_cast<double>(p.y)),
+                          scales.energy);
+    }
+    if (hit_x || hit_y || !(walls_x && walls_y))
+      discs.set_position(i, mirrored);
+  }
+};
+
+/// Applies the walls, or the periodicity, of each axis to every disc.
+template <class Space, class Real>
+void bounce_off_walls(Space const& space, Discs<Space, Real> const& discs, Model const& model,
+                      Scales const& scales, BooksView<Space> const& books)
+{
+  auto const alpha = static_cast<Real>(model.contact.restitution);
+  auto const beta = static_cast<Real>(model.contact.friction);
+  auto const launch = [&](auto walls_x, auto walls_y, auto dissipative) {
+    BounceOffWalls<Space, Real, walls_x, walls_y, dissipative> const kernel{
+        discs,
+        Domain<Real, !(walls_x && walls_y)>(model.box),
+        {alpha, beta},
+        static_cast<Real>(model.box.width / 2),
+        static_cast<Real>(model.box.height / 2),
+        static_cast<Real>(model.radius),
+        model.gravity,
+        scales};
+    Kokkos::parallel_reduce("ricochet::bounce_off_walls",
+                            Kokkos::RangePolicy<Space>(space, 0, discs.count()), kernel,
+                            Merge<Books, Space>(books));
+  };
+  auto const with_boundaries = [&](auto dissipative) {
+    std::true_type const walls;
+    std::false_type const periodic;
+    bool const x = model.box.x == Boundary::walls, y = model.box.y == Boundary::walls;
+    if (x && y)
+      launch(walls, walls, dissipative);
+    else if (x)
+      launch(walls, periodic, dissipative);
+    else if (y)
+      launch(periodic, walls, dissipative);
+    else
+      launch(periodic, periodic, std::false_type{});
+  };
+  if (alpha != 1 || beta != 1)
+    with_boundaries(std::true_type{});
+  else
+    with_boundaries(std::false_type{});
+}
+
+} // namespace ricochet

@@ -1,0 +1,86 @@
+#include "ricochet/engine.hpp"
+
+#include "fixed_step_engines.hpp"
+#include "ricochet/spaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace ricochet {
+namespace {
+
+/// A step of fewer discs than this is over before a second thread has joined in (measured:
+/// launching the kernels of a step on two threads costs as much as about 600 discs on an idle
+/// machine, several times that on a busy one).
+constexpr std::size_t worth_two_threads = 2000;
+
+bool prefers_one_thread(Placement placement, std::size_t discs)
+{
+  if (placement != Placement::automatic)
+    return placement == Placement::serial;
+  if (parallel_is_device)
+    return false;
+  return discs < worth_two_threads || ParallelSpace().concurrency() == 1;
+}
+
+std::string line(Problem const& problem)
+{
+  return "\n  " + problem.quantity + " is " + problem.found + "; allowed: " + problem.allowed;
+}
+
+void require_valid(Model const& model, Method const& method, std::vector<DiscState> const& initial)
+{
+  std::string message;
+  for (auto const& problem : problems(model))
+    message += line(problem);
+  if (!(std::isfinite(method.dt) && method.dt > 0))
+    message += line({"run.dt", std::to_string(method.dt), "a finite number above 0"});
+  if (initial.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() / 2))
+    message += line({"discs", std::to_string(initial.size()), "fewer than 2^30"});
+  auto const bad_discs = problems(model, initial);
+  constexpr std::size_t shown = 20;
+  for (std::size_t k = 0; k < std::min(bad_discs.size(), shown); ++k)
+    message += "\n  disc " + std::to_string(bad_discs[k].disc) + ":" +
+               line(bad_discs[k].problem).substr(2);
+  if (bad_discs.size() > shown)
+    message += "\n  and " + std::to_string(bad_discs.size() - shown) + " more";
+  if (!message.empty())
+    throw std::invalid_argument("this scene cannot be simulated:" + message);
+}
+
+} // namespace
+
+std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
+                                    std::vector<DiscState> const& initial)
+{
+  require_valid(model, method, initial);
+  bool const one_thread = prefers_one_thread(method.placement, initial.size());
+  if (method.precision == Precision::single_)
+    return make_fixed_step<float>(model, method, initial, one_thread);
+  return make_fixed_step<double>(model, method, initial, one_thread);
+}
+
+char const* name(EngineKind engine)
+{
+  return engine == EngineKind::sweep ? "sweep" : "simultaneous";
+}
+
+char const* name(Law law)
+{
+  return law == Law::swap_scale ? "swap_scale" : "restitution";
+}
+
+char const* name(Precision precision)
+{
+  return precision == Precision::single_ ? "single" : "double";
+}
+
+std::vector<EngineKind> const& engine_kinds()
+{
+  static std::vector<EngineKind> const all{EngineKind::sweep, EngineKind::simultaneous};
+  return all;
+}
+
+} // namespace ricochet

@@ -1,0 +1,8 @@
+#include "fixed_step_engines.ipp"
+
+namespace ricochet {
+
+template std::unique_ptr<Engine> make_fixed_step<float>(Model const&, Method const&,
+                                                        std::vector<DiscState> const&, bool);
+
+} // namespace ricochet
