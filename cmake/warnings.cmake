@@ -1,0 +1,16 @@
+# Warnings for our own code; Kokkos and other libraries are included as system headers.
+# ricochet_warnings(target): -Wall -Wextra and what has paid in numerical code besides.
+function(ricochet_warnings target)
+  set(both
+    -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi -Wformat=2
+    -Wcast-align -Wmissing-declarations
+    -Wfloat-conversion    # double to float unasked: the single precision engines round where they say
+    -Wdouble-promotion)   # and float to double: they compute in float
+  set(gnu -Wduplicated-cond -Wduplicated-branches -Wlogical-op)
+  if(ricochet_WARNINGS_AS_ERRORS)
+    list(APPEND both -Werror)
+  endif()
+  target_compile_options(${target} PRIVATE
+    "$<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang,IntelLLVM>:${both}>"
+    "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:${gnu}>")
+endfunction()
