@@ -1,0 +1,201 @@
+// The engines equal the O(N^2) reference bit for bit.
+//
+// Bits are the whole claim here, so no tolerance appears. The scenes start with discs thrown
+// anywhere, on top of each other and into the walls: the hardest states an engine can be given.
+#include "support/compare.hpp"
+#include "support/reference.hpp"
+#include "support/runs.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ricochet::test {
+namespace {
+
+constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
+
+Contact const elastic{Law::swap_scale, 1, 1};
+Contact const scaling{Law::swap_scale, 0.93, 0.9};
+Contact const damping{Law::restitution, 0.9, 0.8};
+
+template <class Real>
+void expect_reference_bits(Scene const& scene, EngineKind engine, Precision precision,
+                           std::vector<std::int64_t> const& checked_steps)
+{
+  Reference<Real> reference(engine, scene.model, scene.dt, scene.discs);
+  auto const serial = start(scene, {engine, precision, Placement::serial});
+  auto const parallel = start(scene, {engine, precision, Placement::parallel});
+
+  std::int64_t now = 0;
+  for (auto const step : checked_steps) {
+    SCOPED_TRACE(std::string(name(precision)) + " precision, step " + std::to_string(step));
+    reference.advance(step - now);
+    serial->advance(step - now);
+    parallel->advance(step - now);
+    now = step;
+    auto const expected = reference.states();
+    ASSERT_TRUE(same_bits(states(*serial), expected)) << "on one thread";
+    ASSERT_TRUE(same_bits(states(*parallel), expected)) << "on the default backend";
+  }
+
+  auto const report = serial->report();
+  auto const& books = reference.books();
+  EXPECT_TRUE(same_bits(parallel->report(), report));
+  EXPECT_EQ(report.collisions, books.collisions);
+  EXPECT_EQ(report.separating_hits, books.separating_hits);
+  EXPECT_EQ(report.wall_hits, books.wall_hits);
+}
+
+void expect_reference_bits(Scene const& scene, EngineKind engine,
+                           std::vector<std::int64_t> const& checked_steps)
+{
+  expect_reference_bits<double>(scene, engine, Precision::double_, checked_steps);
+  expect_reference_bits<float>(scene, engine, Precision::single_, checked_steps);
+}
+
+Scene crowd(std::size_t count, double packing, double speed, Ids ids, double gravity,
+            Contact const& contact, Boundary x, Boundary y, std::uint64_t seed)
+{
+  double const aspect = 1.3, height = height_for(count, packing, aspect);
+  Scene scene;
+  scene.model = make_model(aspect * height, height, gravity, contact, x, y);
+  scene.discs = random_discs(scene.model, count, speed, ids, seed);
+  return scene;
+}
+
+struct Setting {
+  EngineKind engine;
+  Boundary x, y;
+  double gravity;
+  Contact contact;
+};
+
+std::string name_of(testing::TestParamInfo<Setting> const& info)
+{
+  auto const& s = info.param;
+  return std::string(name(s.engine)) + "_x_" + name(s.x) + "_y_" + name(s.y) +
+         (s.gravity == 0 ? "_weightless_" : "_gravity_") +
+         (s.contact.restitution == 1 ? "elastic" : name(s.contact.law));
+}
+
+std::vector<Setting> settings()
+{
+  std::vector<Setting> all;
+  for (auto const engine : engine_kinds())
+    for (auto const contact : {elastic, scaling, damping})
+      for (auto const x : {walls, periodic})
+        for (auto const y : {walls, periodic})
+          for (auto const gravity : {0.0, 9.81})
+            if (y == walls || gravity == 0)
+              all.push_back({engine, x, y, gravity, contact});
+  return all;
+}
+
+class EngineBits : public testing::TestWithParam<Setting> {};
+
+TEST_P(EngineBits, AreTheReferencesAtEveryPackingAndOrderOfIds)
+{
+  auto const s = GetParam();
+  std::uint64_t seed = 1;
+  for (double const packing : {0.05, 0.3, 0.6, 0.9, 1.1})
+    for (auto const ids : {Ids::shuffled, Ids::row_major, Ids::reversed}) {
+      SCOPED_TRACE("packing " + std::to_string(packing) + ", ids " + name(ids));
+      expect_reference_bits(crowd(211, packing, 20, ids, s.gravity, s.contact, s.x, s.y, seed++),
+                            s.engine, {1, 2, 3, 12});
+      if (HasFatalFailure())
+        return;
+    }
+}
+
+// Long enough for the crowd to come apart or, with gravity and damping, to settle on the floor.
+TEST_P(EngineBits, AreTheReferencesAfterAHundredAndFiftySteps)
+{
+  auto const s = GetParam();
+  expect_reference_bits(crowd(150, 0.5, 20, Ids::row_major, s.gravity, s.contact, s.x, s.y, 99),
+                        s.engine, {50, 150});
+}
+
+// Steps of up to seven diameters: discs overshoot walls and wrap around, and may end up far
+// outside.
+TEST_P(EngineBits, AreTheReferencesWhereDiscsCrossTheBoxInAFewSteps)
+{
+  auto const s = GetParam();
+  for (double const packing : {0.1, 0.7})
+    expect_reference_bits(
+        crowd(101, packing, 600, Ids::shuffled, s.gravity, s.contact, s.x, s.y, 5), s.engine,
+        {1, 2, 30});
+}
+
+INSTANTIATE_TEST_SUITE_P(Settings, EngineBits, testing::ValuesIn(settings()), name_of);
+
+struct LargeCase {
+  double packing;
+  Ids ids;
+  Setting setting;
+};
+
+class LargeEngineBits : public testing::TestWithParam<LargeCase> {};
+
+TEST_P(LargeEngineBits, AreTheReferencesForFiveThousandDiscs)
+{
+  auto const& c = GetParam();
+  auto const& s = c.setting;
+  expect_reference_bits(crowd(5000, c.packing, 20, c.ids, s.gravity, s.contact, s.x, s.y, 7),
+                        s.engine, {3});
+}
+
+constexpr auto sweep = EngineKind::sweep, simultaneous = EngineKind::simultaneous;
+
+std::string name_of_large(testing::TestParamInfo<LargeCase> const& info)
+{
+  auto const& c = info.param;
+  return "packing_" + std::to_string(static_cast<int>(100 * c.packing)) + "_" +
+         (c.ids == Ids::row_major ? "row_major" : name(c.ids)) + "_" + name_of({c.setting, 0});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Crowds, LargeEngineBits,
+    testing::Values(LargeCase{0.05, Ids::shuffled, {sweep, walls, walls, 9.81, scaling}},
+                    LargeCase{0.2, Ids::row_major, {sweep, periodic, periodic, 0, elastic}},
+                    LargeCase{0.5, Ids::shuffled, {sweep, walls, walls, 9.81, damping}},
+                    LargeCase{0.5, Ids::reversed, {sweep, periodic, walls, 9.81, scaling}},
+                    LargeCase{0.8, Ids::row_major, {sweep, walls, walls, 9.81, scaling}},
+                    LargeCase{0.8, Ids::shuffled, {sweep, walls, periodic, 0, damping}},
+                    LargeCase{1.1, Ids::row_major, {sweep, periodic, periodic, 0, damping}},
+                    LargeCase{1.1, Ids::shuffled, {sweep, walls, walls, 0, elastic}},
+                    LargeCase{0.2, Ids::shuffled, {simultaneous, walls, walls, 9.81, scaling}},
+                    LargeCase{1.1, Ids::row_major, {simultaneous, periodic, periodic, 0, elastic}}),
+    name_of_large);
+
+// A disc's own history must not matter: a run that stops, reports and goes on is the same run.
+TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
+{
+  auto const scene = crowd(300, 0.6, 20, Ids::shuffled, 9.81, scaling, walls, walls, 3);
+  for (auto const& way : all_ways()) {
+    SCOPED_TRACE(name(way));
+    auto const one_by_one = start(scene, way);
+    for (int step = 0; step < 40; ++step) {
+      one_by_one->advance(1);
+      one_by_one->report();
+      one_by_one->state_hash();
+    }
+    auto const at_once = start(scene, way);
+    at_once->advance(40);
+    EXPECT_TRUE(same_bits(states(*one_by_one), states(*at_once)));
+    EXPECT_TRUE(same_bits(one_by_one->report(), at_once->report()));
+  }
+}
+
+// So a run can go on from its written states: nothing but the states determines the future.
+TEST(EngineBits, AreTheSameAcrossARestart)
+{
+  auto const scene = crowd(300, 0.6, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
+  for (auto const& way : all_ways()) {
+    SCOPED_TRACE(name(way));
+    Scene later = scene;
+    later.discs = states_after(scene, way, 25);
+    EXPECT_TRUE(same_bits(states_after(later, way, 15), states_after(scene, way, 40)));
+  }
+}
+
+} // namespace
+} // namespace ricochet::test

@@ -1,0 +1,107 @@
+#include "support/scenes.hpp"
+
+#include "support/random.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace ricochet::test {
+
+Model make_model(double width, double height, double gravity, Contact contact, Boundary x,
+                 Boundary y)
+{
+  Model model;
+  model.box = {width, height, x, y};
+  model.radius = 1;
+  model.gravity = gravity;
+  model.contact = contact;
+  return model;
+}
+
+std::vector<DiscState> random_discs(Model const& model, std::size_t count, double speed, Ids ids,
+                                    std::uint64_t seed)
+{
+  Random random(seed);
+  double const w = model.box.width / 2, h = model.box.height / 2;
+  std::vector<DiscState> discs(count);
+  for (auto& d : discs) {
+    d.x = random.between(-w, w);
+    d.y = random.between(-h, h);
+    d.vx = random.between(-speed, speed);
+    d.vy = random.between(-speed, speed);
+  }
+  if (ids == Ids::shuffled)
+    return discs;
+
+  auto const row = [&](DiscState const& d) {
+    return static_cast<long>((d.y + h) / (2 * model.radius));
+  };
+  std::sort(discs.begin(), discs.end(), [&](auto const& a, auto const& b) {
+    return row(a) != row(b) ? row(a) < row(b) : a.x < b.x;
+  });
+  if (ids == Ids::reversed)
+    std::reverse(discs.begin(), discs.end());
+  return discs;
+}
+
+std::vector<DiscState> lattice_discs(Model const& model, std::size_t count, double speed,
+                                     std::uint64_t seed)
+{
+  Random random(seed);
+  std::size_t columns = 1;
+  while (columns * columns * model.box.height < static_cast<double>(count) * model.box.width)
+    ++columns;
+  std::size_t const rows = (count + columns - 1) / columns;
+  double const dx = model.box.width / static_cast<double>(columns);
+  double const dy = model.box.height / static_cast<double>(rows);
+  std::vector<DiscState> discs(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    discs[k].x = (static_cast<double>(k % columns) + 0.5) * dx - model.box.width / 2;
+    discs[k].y = (static_cast<double>(k / columns) + 0.5) * dy - model.box.height / 2;
+    discs[k].vx = random.between(-speed, speed);
+    discs[k].vy = random.between(-speed, speed);
+  }
+  return discs;
+}
+
+std::vector<DiscState> reordered(std::vector<DiscState> const& discs,
+                                 std::vector<std::size_t> const& order)
+{
+  std::vector<DiscState> result;
+  for (auto const k : order)
+    result.push_back(discs[k]);
+  return result;
+}
+
+std::vector<std::size_t> random_order(std::size_t count, std::uint64_t seed)
+{
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Random random(seed);
+  for (std::size_t k = count; k > 1; --k)
+    std::swap(order[k - 1], order[random.below(k)]);
+  return order;
+}
+
+double height_for(std::size_t count, double packing, double aspect)
+{
+  double const area = static_cast<double>(count) * 3.14159265358979323846 / packing;
+  double lo = 0, hi = area + 1;
+  for (int k = 0; k < 100; ++k) {
+    double const mid = (lo + hi) / 2;
+    (mid * mid * aspect < area ? lo : hi) = mid;
+  }
+  return hi;
+}
+
+char const* name(Ids ids)
+{
+  return ids == Ids::shuffled ? "shuffled" : ids == Ids::row_major ? "row-major" : "reversed";
+}
+
+char const* name(Boundary boundary)
+{
+  return boundary == Boundary::walls ? "walls" : "periodic";
+}
+
+} // namespace ricochet::test
