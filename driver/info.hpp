@@ -1,0 +1,49 @@
+// ricochet info: what is in a trajectory.
+#pragma once
+
+#include "command_line.hpp"
+#include "exit_codes.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ricochet::driver {
+
+/// What can be told about a trajectory without reading its frames.
+struct TrajectoryInfo {
+  struct Field {
+    std::string name;
+    bool single_precision = false;
+    bool compressed = false;
+  };
+  struct Range {
+    double first = 0, last = 0;
+  };
+
+  std::string file;
+  std::uint64_t bytes = 0;
+  std::string creator;                ///< name and version
+  std::string engine, law, precision; ///< empty where the file does not say
+  std::string command_line, provenance;
+  std::int64_t frames = 0, discs = 0;
+  std::optional<std::int64_t> first_step, last_step; ///< empty without frames
+  std::optional<Range> time;
+  std::vector<Field> fields;
+  std::vector<std::string> boundary;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::optional<Range> energy; ///< kinetic and potential
+  std::vector<std::pair<std::string, Range>> observables;
+};
+
+TrajectoryInfo describe(std::string const& path);
+
+/// The description for people.
+std::string in_words(TrajectoryInfo const& info);
+
+/// Runs the command.
+Exit info(InfoOptions const& options);
+
+} // namespace ricochet::driver

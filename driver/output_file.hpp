@@ -1,0 +1,42 @@
+// Writing a result so that it is there whole or not at all, and never in place of another file
+// unasked.
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace ricochet::driver {
+
+/// Throws Failure(Exit::cannot_create) unless a file can be made at `path`: its folder exists and
+/// can be written to, and nothing stands there already, unless `replace`.
+void check_output(std::string const& path, bool replace);
+
+/// True if both paths lead to the same file.
+bool same_file(std::string const& a, std::string const& b);
+
+/// A text result on its way to a file, or to standard output if the path is "-".
+class OutputFile {
+ public:
+  /// Throws Failure(Exit::cannot_create).
+  OutputFile(std::string path, bool replace);
+  ~OutputFile(); ///< without commit(), nothing is left behind
+  OutputFile(OutputFile const&) = delete;
+  OutputFile& operator=(OutputFile const&) = delete;
+
+  /// Throws Failure(Exit::io_error).
+  void write(std::string_view text);
+
+  /// Puts the file in its place. Throws Failure.
+  void commit();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::string path_;
+  std::string temporary_; ///< where the text goes until commit(); empty if straight to path_
+  std::FILE* file_ = nullptr;
+};
+
+} // namespace ricochet::driver

@@ -1,0 +1,406 @@
+#include "trajectory_file.hpp"
+
+#include "exit_codes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <unistd.h>
+
+namespace ricochet::driver {
+
+using hdf5::Dataset;
+using hdf5::Group;
+using hdf5::Properties;
+using hdf5::Shape;
+
+namespace {
+
+constexpr char const* time_path = "/particles/trajectory/position/time";
+constexpr char const* step_path = "/particles/trajectory/position/step";
+
+constexpr hsize_t most_discs_per_chunk = 131072; // 3 MiB of doubles
+constexpr hsize_t block_bytes = 512 * 1024;      // of one field, for few discs
+constexpr hsize_t series_chunk = 1024;           // numbers, for what has few a frame
+
+// Discs in a chunk: all, or an even share of them.
+hsize_t even_chunk(hsize_t discs)
+{
+  hsize_t const chunks =
+      std::max<hsize_t>(1, (discs + most_discs_per_chunk - 1) / most_discs_per_chunk);
+  return std::max<hsize_t>(1, (discs + chunks - 1) / chunks);
+}
+
+// Creates a dataset with the same value everywhere, which takes no space in the file.
+template <class T>
+void create_constant(hid_t parent, char const* name, hsize_t count, T value)
+{
+  Properties const properties(H5Pcreate(H5P_DATASET_CREATE));
+  hdf5::check(H5Pset_fill_value(properties, hdf5::native<T>(), &value));
+  hdf5::Dataspace const space(H5Screate_simple(1, &count, nullptr));
+  Dataset const dataset(
+      H5Dcreate2(parent, name, hdf5::native<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT));
+}
+
+template <class T>
+Dataset create_list(hid_t parent, char const* name, hsize_t count)
+{
+  hdf5::Dataspace const space(H5Screate_simple(1, &count, nullptr));
+  return Dataset(
+      H5Dcreate2(parent, name, hdf5::native<T>(), space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+}
+
+char const* h5md_boundary(Boundary boundary)
+{
+  return boundary == Boundary::periodic ? "periodic" : "none";
+}
+
+void extend(hid_t dataset, hsize_t frames)
+{
+  Shape size = hdf5::shape(dataset);
+  size[0] = frames;
+  hdf5::check(H5Dset_extent(dataset, size.data()));
+}
+
+} // namespace
+
+// A quantity of the whole system, one or two numbers a frame.
+struct TrajectoryFile::Observable {
+  char const* name;
+  hsize_t columns; ///< 0: a number, k: k numbers
+  double (*real)(Report const&, hsize_t column);
+  std::int64_t (*integer)(Report const&); ///< instead of `real`
+};
+
+std::vector<TrajectoryFile::Observable> const& TrajectoryFile::observables()
+{
+  static std::vector<Observable> const all{
+      {"kinetic", 0, [](Report const& r, hsize_t) { return r.energy.kinetic; }, nullptr},
+      {"potential", 0, [](Report const& r, hsize_t) { return r.energy.potential; }, nullptr},
+      {"lost_pairs", 0, [](Report const& r, hsize_t) { return r.energy.lost_pairs; }, nullptr},
+      {"lost_walls", 0, [](Report const& r, hsize_t) { return r.energy.lost_walls; }, nullptr},
+      {"numerical", 0, [](Report const& r, hsize_t) { return r.energy.numerical; }, nullptr},
+      {"residual", 0, [](Report const& r, hsize_t) { return r.energy.residual(); }, nullptr},
+      {"momentum", 2,
+       [](Report const& r, hsize_t column) { return column == 0 ? r.momentum_x : r.momentum_y; },
+       nullptr},
+      {"temperature", 0, [](Report const& r, hsize_t) { return r.temperature; }, nullptr},
+      {"pressure_z", 0,
+       [](Report const& r, hsize_t) {
+         return r.pressure_z.value_or(std::numeric_limits<double>::quiet_NaN());
+       },
+       nullptr},
+      {"max_overlap", 0, [](Report const& r, hsize_t) { return r.max_overlap; }, nullptr},
+      {"max_outside", 0, [](Report const& r, hsize_t) { return r.max_outside; }, nullptr},
+      {"collisions", 0, nullptr, [](Report const& r) { return r.collisions; }},
+      {"separating_hits", 0, nullptr, [](Report const& r) { return r.separating_hits; }},
+      {"wall_hits", 0, nullptr, [](Report const& r) { return r.wall_hits; }},
+  };
+  return all;
+}
+
+TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
+  : header_(header),
+    discs_(static_cast<hsize_t>(header.discs)),
+    discs_per_chunk_(even_chunk(discs_))
+{
+  hsize_t const frame_bytes =
+      std::max<hsize_t>(1, discs_) * 3 * (header.float32 ? sizeof(float) : sizeof(double));
+  auto const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header.frames));
+  frames_per_block_ =
+      static_cast<std::int64_t>(std::min(planned, std::max<hsize_t>(1, block_bytes / frame_bytes)));
+
+  if (header.replace)
+    ::unlink(header.path.c_str()); // who still reads the old file keeps it
+  guarded([&] { create(); });
+}
+
+TrajectoryFile::~TrajectoryFile() = default;
+
+// Runs `work`; if HDF5 fails, lets go of the file and reports a Failure. Closing the file would
+// write to it once more, and it is better left as the last flush made it.
+template <class Work>
+void TrajectoryFile::guarded(Work const& work)
+{
+  try {
+    work();
+  } catch (hdf5::Error const& error) {
+    bool const created = file_ >= 0;
+    abandon();
+    throw Failure(created ? Exit::io_error : Exit::cannot_create,
+                  fmt::format("cannot {} trajectory '{}': {}", created ? "write" : "create",
+                              header_.path, error.what()));
+  }
+}
+
+void TrajectoryFile::abandon()
+{
+  for (Element& element : elements_)
+    element.value.abandon();
+  for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
+    dataset->abandon();
+  file_.abandon();
+}
+
+void TrajectoryFile::create()
+{
+  hdf5::initialise();
+
+  Properties const access(H5Pcreate(H5P_FILE_ACCESS));
+  // With these bounds a killed program's file opens again; newer formats mark it as in use.
+  hdf5::check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110));
+  // Metadata reaches the file in flushes only, never when the cache happens to be full.
+  H5AC_cache_config_t cache;
+  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  hdf5::check(H5Pget_mdc_config(access, &cache));
+  cache.evictions_enabled = false;
+  cache.incr_mode = H5C_incr__off;
+  cache.flash_incr_mode = H5C_flash_incr__off;
+  cache.decr_mode = H5C_decr__off;
+  hdf5::check(H5Pset_mdc_config(access, &cache));
+
+  file_ = hdf5::File(H5Fcreate(header_.path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access));
+
+  Group const h5md = hdf5::create_group(file_, "/h5md");
+  hdf5::write_attribute<std::int32_t>(h5md, "version", std::vector<std::int32_t>{1, 1});
+  hdf5::write_text_attribute(hdf5::create_group(h5md, "author"), "name", "unknown");
+  Group const creator = hdf5::create_group(h5md, "creator");
+  hdf5::write_text_attribute(creator, "name", "ricochet");
+  hdf5::write_text_attribute(creator, "version", header_.version);
+
+  create_particles();
+  create_observables();
+  create_parameters();
+  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+}
+
+Dataset TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
+                                      Shape chunk, bool deflate)
+{
+  Shape size{0}, most{H5S_UNLIMITED};
+  size.insert(size.end(), row.begin(), row.end());
+  most.insert(most.end(), row.begin(), row.end());
+  hdf5::Dataspace const space(
+      H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()));
+
+  Properties const creation(H5Pcreate(H5P_DATASET_CREATE));
+  hdf5::check(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
+  if (deflate) {
+    hdf5::check(H5Pset_shuffle(creation));
+    hdf5::check(H5Pset_deflate(creation, 1));
+  }
+  // One chunk is open at a time; it must fit in the cache, and is done with once it is full.
+  Properties const access(H5Pcreate(H5P_DATASET_ACCESS));
+  hdf5::check(H5Pset_chunk_cache(access, 101, 2 * block_bytes, 1.0));
+  return Dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, access));
+}
+
+// H5MD wants elements that are sampled together to share their axes.
+void TrajectoryFile::link_time(hid_t element)
+{
+  hdf5::check(H5Lcreate_hard(file_, step_path, element, "step", H5P_DEFAULT, H5P_DEFAULT));
+  hdf5::check(H5Lcreate_hard(file_, time_path, element, "time", H5P_DEFAULT, H5P_DEFAULT));
+}
+
+void TrajectoryFile::create_particles()
+{
+  hsize_t const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header_.frames));
+  hid_t const real = header_.float32 ? hdf5::native<float>() : hdf5::native<double>();
+  Shape const row{discs_, 3};
+  Shape const chunk{static_cast<hsize_t>(frames_per_block_), discs_per_chunk_, 3};
+  Group const group = hdf5::create_group(file_, "/particles/trajectory");
+
+  Group const position = hdf5::create_group(group, "position");
+  position_ = create_series(position, "value", real, row, chunk, header_.deflate);
+  step_ = create_series(position, "step", hdf5::native<std::int64_t>(), {},
+                        {std::min(planned, series_chunk)});
+  time_ = create_series(position, "time", hdf5::native<double>(), {},
+                        {std::min(planned, series_chunk)});
+  if (header_.velocity) {
+    Group const velocity = hdf5::create_group(group, "velocity");
+    velocity_ = create_series(velocity, "value", real, row, chunk, header_.deflate);
+    link_time(velocity);
+  }
+
+  Box const& box = header_.model.box;
+  Group const box_group = hdf5::create_group(group, "box");
+  hdf5::write_attribute<std::int32_t>(box_group, "dimension", 3);
+  hdf5::write_text_attribute(
+      box_group, "boundary",
+      std::vector<std::string>{h5md_boundary(box.x), h5md_boundary(box.y), "none"});
+  if (box.x == Boundary::periodic || box.y == Boundary::periodic) {
+    Group const edges = hdf5::create_group(box_group, "edges");
+    edges_ = create_series(edges, "value", hdf5::native<double>(), {3, 3},
+                           {std::min(planned, series_chunk), 3, 3});
+    link_time(edges);
+  }
+
+  Dataset const id = create_list<std::int64_t>(group, "id", discs_);
+  std::vector<std::int64_t> ids;
+  for (hsize_t first = 0; first < discs_; first += ids.size()) {
+    ids.resize(std::min(discs_ - first, most_discs_per_chunk));
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      ids[i] = static_cast<std::int64_t>(first + i);
+    hdf5::write(id, {first}, {ids.size()}, ids.data());
+  }
+  create_constant<std::int32_t>(group, "species", discs_, 0);
+  create_constant<double>(group, "mass", discs_, 1);
+  create_constant<double>(group, "radius", discs_, header_.model.radius);
+}
+
+void TrajectoryFile::create_observables()
+{
+  hsize_t const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header_.frames));
+  for (Observable const& observable : observables()) {
+    Group const group = hdf5::create_group(file_, std::string("/observables/") + observable.name);
+    Shape row, chunk{std::min(planned, series_chunk)};
+    if (observable.columns > 0) {
+      row.push_back(observable.columns);
+      chunk.push_back(observable.columns);
+    }
+    hid_t const type = observable.real ? hdf5::native<double>() : hdf5::native<std::int64_t>();
+    elements_.push_back({create_series(group, "value", type, row, chunk), &observable});
+    link_time(group);
+  }
+}
+
+void TrajectoryFile::create_parameters()
+{
+  Group const group = hdf5::create_group(file_, "/parameters");
+  for (auto const& [name, text] : header_.texts)
+    hdf5::write_text(group, name.c_str(), text);
+
+  Model const& model = header_.model;
+  hdf5::write_attribute(group, "gravity", model.gravity);
+  hdf5::write_attribute(group, "restitution", model.contact.restitution);
+  hdf5::write_attribute(group, "friction", model.contact.friction);
+  hdf5::write_attribute(group, "width", model.box.width);
+  hdf5::write_attribute(group, "height", model.box.height);
+  hdf5::write_attribute(group, "radius", model.radius);
+  hdf5::write_attribute(group, "dt", header_.method.dt);
+  hdf5::write_attribute(group, "steps", header_.steps);
+  hdf5::write_attribute(group, "every", header_.every);
+  hdf5::write_text_attribute(group, "engine", name(header_.method.engine));
+  hdf5::write_text_attribute(group, "law", name(model.contact.law));
+  hdf5::write_text_attribute(group, "precision", name(header_.method.precision));
+
+  // VMD's H5MD plugin takes the size and the name of what it draws from here.
+  Group const vmd = hdf5::create_group(group, "vmd_structure");
+  create_constant<std::int32_t>(vmd, "indexOfSpecies", 1, 0);
+  create_constant<float>(vmd, "radius", 1, static_cast<float>(model.radius));
+  hdf5::Datatype const name16(H5Tcopy(H5T_C_S1));
+  hdf5::check(H5Tset_size(name16, 16));
+  char const label[16] = "disc";
+  hsize_t const one = 1;
+  hdf5::Dataspace const space(H5Screate_simple(1, &one, nullptr));
+  for (char const* name : {"name", "type"}) {
+    Dataset const dataset(
+        H5Dcreate2(vmd, name, name16, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    hdf5::check(H5Dwrite(dataset, name16, H5S_ALL, H5S_ALL, H5P_DEFAULT, label));
+  }
+}
+
+void TrajectoryFile::append(std::vector<std::unique_ptr<Frame>> const& frames)
+{
+  if (!frames.empty())
+    guarded([&] { write_frames(frames); });
+}
+
+void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& frames)
+{
+  if (header_.float32) {
+    write_vectors(position_, frames, &DiscState::x, &DiscState::y, buffer32_);
+    if (header_.velocity)
+      write_vectors(velocity_, frames, &DiscState::vx, &DiscState::vy, buffer32_);
+  } else {
+    write_vectors(position_, frames, &DiscState::x, &DiscState::y, buffer64_);
+    if (header_.velocity)
+      write_vectors(velocity_, frames, &DiscState::vx, &DiscState::vy, buffer64_);
+  }
+  if (edges_ >= 0)
+    write_edges(frames);
+  for (Element const& element : elements_) {
+    Observable const& observable = *element.observable;
+    if (observable.real)
+      write_series<double>(element.value, frames, observable.columns, observable.real);
+    else
+      write_series<std::int64_t>(element.value, frames, 0, [&](Report const& report, hsize_t) {
+        return observable.integer(report);
+      });
+  }
+  write_series<double>(time_, frames, 0, [](Report const& report, hsize_t) { return report.time; });
+
+  // `step` says how many frames there are, so it follows only when all else is in the file.
+  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  write_series<std::int64_t>(step_, frames, 0,
+                             [](Report const& report, hsize_t) { return report.steps; });
+  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  frames_ += static_cast<std::int64_t>(frames.size());
+}
+
+// Writes the vectors (x, y, 0) of all discs, a chunk's share of the discs at a time.
+template <class Real>
+void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
+                                   double DiscState::*x, double DiscState::*y,
+                                   std::vector<Real>& buffer)
+{
+  auto const start = static_cast<hsize_t>(frames_);
+  extend(dataset, start + frames.size());
+  for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
+    hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
+    buffer.resize(frames.size() * count * 3);
+    Real* out = buffer.data();
+    for (auto const& frame : frames)
+      for (hsize_t i = first; i < first + count; ++i) {
+        *out++ = static_cast<Real>(frame->states[i].*x);
+        *out++ = static_cast<Real>(frame->states[i].*y);
+        *out++ = 0;
+      }
+    hdf5::write(dataset, {start, first, 0}, {frames.size(), count, 3}, buffer.data());
+  }
+}
+
+template <class T, class Get>
+void TrajectoryFile::write_series(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
+                                  hsize_t columns, Get const& get)
+{
+  std::vector<T> values;
+  for (auto const& frame : frames)
+    for (hsize_t column = 0; column < std::max<hsize_t>(1, columns); ++column)
+      values.push_back(get(frame->report, column));
+  auto const start = static_cast<hsize_t>(frames_);
+  extend(dataset, start + frames.size());
+  if (columns > 0)
+    hdf5::write(dataset, {start, 0}, {frames.size(), columns}, values.data());
+  else
+    hdf5::write(dataset, {start}, {frames.size()}, values.data());
+}
+
+// The box as three edge vectors a frame, the one form that all readers of H5MD understand.
+void TrajectoryFile::write_edges(std::vector<std::unique_ptr<Frame>> const& frames)
+{
+  Box const& box = header_.model.box;
+  double const depth = 2 * header_.model.radius;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    values.insert(values.end(), {box.width, 0, 0, 0, box.height, 0, 0, 0, depth});
+  auto const start = static_cast<hsize_t>(frames_);
+  extend(edges_, start + frames.size());
+  hdf5::write(edges_, {start, 0, 0}, {frames.size(), 3, 3}, values.data());
+}
+
+void TrajectoryFile::close()
+{
+  guarded([&] {
+    for (Element& element : elements_)
+      element.value.reset();
+    for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
+      dataset->reset();
+    file_.reset();
+  });
+}
+
+} // namespace ricochet::driver
