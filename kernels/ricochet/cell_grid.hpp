@@ -6,89 +6,109 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace ricochet {
 
+/// Cells first...last along an axis; none if last < first.
+struct Span {
+  int first, last;
+};
+
+/// The cells along one axis of the box. Points outside the box count as in the nearest cell.
+struct CellAxis {
+  double low = 0;        ///< where the box begins
+  double length = 1;     ///< of the box
+  double per_length = 1; ///< cells per length
+  int count = 1;
+  bool periodic = false;
+
+  /// Cell of a coordinate. No number is cast that does not fit, whatever it is.
+  KOKKOS_INLINE_FUNCTION int at(double position) const
+  {
+    double const u = (position - low) * per_length;
+    if (!(u > 0))
+      return 0;
+    return u < count ? static_cast<int>(u) : count - 1;
+  }
+
+  /// Cells with a point closer than `reach`, this side of the ends.
+  KOKKOS_INLINE_FUNCTION Span near(double position, double reach) const
+  {
+    return {at(position - reach), at(position + reach)};
+  }
+
+  /// Those beyond the low end of a periodic axis, which are at its high end. None is in `near` too.
+  KOKKOS_INLINE_FUNCTION Span across_low_end(double position, double reach, Span near) const
+  {
+    if (!periodic || position - reach >= low)
+      return {0, -1};
+    int const first = at(position - reach + length);
+    return {first > near.last ? first : near.last + 1, count - 1};
+  }
+
+  /// Those beyond the high end of a periodic axis, which are at its low end. None is in `near` too.
+  KOKKOS_INLINE_FUNCTION Span across_high_end(double position, double reach, Span near) const
+  {
+    if (!periodic || position + reach < low + length)
+      return {0, -1};
+    int const last = at(position + reach - length);
+    return {0, last < near.first ? last : near.first - 1};
+  }
+};
+
 /// The grid on the device: which cell a point is in, and which slots a cell holds.
 ///
 /// Cells are numbered row by row, so that neighbouring cells of a row, and therefore their discs,
-/// follow each other in memory. Points outside the box count as in the nearest cell: clamping never
-/// increases the distance between two cells, so neighbours stay neighbours.
+/// follow each other in memory.
 template <class Space>
 struct Cells {
-  double low_x = 0, low_y = 0;               ///< the box's lower left corner
-  double per_length_x = 1, per_length_y = 1; ///< cells per length
-  int nx = 1, ny = 1;
-  bool periodic_x = false, periodic_y = false;
+  CellAxis x, y;
   /// Cell c holds the slots start(c) ... start(c + 1) - 1, in the order of their ids.
   Kokkos::View<int*, typename Space::memory_space> start;
 
-  int count() const { return nx * ny; }
-
-  template <class Real>
-  KOKKOS_INLINE_FUNCTION int column(Real x) const
-  {
-    return clamped((static_cast<double>(x) - low_x) * per_length_x, nx);
-  }
-
-  template <class Real>
-  KOKKOS_INLINE_FUNCTION int row(Real y) const
-  {
-    return clamped((static_cast<double>(y) - low_y) * per_length_y, ny);
-  }
+  int count() const { return x.count * y.count; }
 
   template <class Real>
   KOKKOS_INLINE_FUNCTION int at(Vec2<Real> p) const
   {
-    return row(p.y) * nx + column(p.x);
+    return y.at(static_cast<double>(p.y)) * x.count + x.at(static_cast<double>(p.x));
   }
 
   /// Calls visit(first, last) for blocks of cells first...last, contiguous in number, which
-  /// together are the cell of `p` and all its neighbours, each once.
+  /// together are all cells with a point closer than `reach` to `p` along each axis, each cell
+  /// once.
   template <bool periodic, class Real, class Visit>
-  KOKKOS_INLINE_FUNCTION void for_neighbours(Vec2<Real> p, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_blocks_near(Vec2<Real> p, double reach, Visit const& visit) const
   {
-    int const here = row(p.y);
-    if (here > 0)
-      for_row<periodic>(here - 1, p.x, visit);
-    for_row<periodic>(here, p.x, visit);
-    if (here + 1 < ny)
-      for_row<periodic>(here + 1, p.x, visit);
+    Span const columns = x.near(static_cast<double>(p.x), reach);
+    Span const rows = y.near(static_cast<double>(p.y), reach);
+    for_rows<periodic>(rows, p, reach, columns, visit);
     if constexpr (periodic) {
-      // With fewer than three rows the neighbours across the edge were visited already.
-      if (periodic_y && ny >= 3) {
-        if (here == 0)
-          for_row<periodic>(ny - 1, p.x, visit);
-        if (here == ny - 1)
-          for_row<periodic>(0, p.x, visit);
-      }
+      for_rows<periodic>(y.across_low_end(static_cast<double>(p.y), reach, rows), p, reach, columns,
+                         visit);
+      for_rows<periodic>(y.across_high_end(static_cast<double>(p.y), reach, rows), p, reach,
+                         columns, visit);
     }
   }
 
  private:
   template <bool periodic, class Real, class Visit>
-  KOKKOS_INLINE_FUNCTION void for_row(int r, Real x, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_rows(Span rows, Vec2<Real> p, double reach, Span columns,
+                                       Visit const& visit) const
   {
-    int const here = column(x), row_start = r * nx;
-    visit(row_start + (here > 0 ? here - 1 : 0), row_start + (here + 1 < nx ? here + 1 : here));
-    if constexpr (periodic) {
-      if (periodic_x && nx >= 3) {
-        if (here == 0)
-          visit(row_start + nx - 1, row_start + nx - 1);
-        if (here == nx - 1)
-          visit(row_start, row_start);
+    for (int row = rows.first; row <= rows.last; ++row) {
+      int const start_of_row = row * x.count;
+      visit(start_of_row + columns.first, start_of_row + columns.last);
+      if constexpr (periodic) {
+        Span const low = x.across_low_end(static_cast<double>(p.x), reach, columns);
+        if (low.first <= low.last)
+          visit(start_of_row + low.first, start_of_row + low.last);
+        Span const high = x.across_high_end(static_cast<double>(p.x), reach, columns);
+        if (high.first <= high.last)
+          visit(start_of_row + high.first, start_of_row + high.last);
       }
     }
-  }
-
-  /// Cell coordinate of a grid coordinate: no cast of a number that does not fit, whatever it is.
-  KOKKOS_INLINE_FUNCTION static int clamped(double u, int n)
-  {
-    if (!(u > 0))
-      return 0;
-    return u < n ? static_cast<int>(u) : n - 1;
   }
 };
 
@@ -157,8 +177,7 @@ class CellGrid {
  public:
   using Ints = Kokkos::View<int*, typename Space::memory_space>;
 
-  /// A grid for `count` discs in which any two discs whose separation is computed to be less than a
-  /// diameter are in the same or in neighbouring cells.
+  /// A grid for `count` discs of `model`.
   CellGrid(Model const& model, int count)
     : spare_(count),
       cell_(uninitialised<Ints>("ricochet::cell_of_disc", count)),
@@ -167,22 +186,11 @@ class CellGrid {
       slot_of_id_(uninitialised<Ints>("ricochet::slot_of_id", count))
   {
     Box const& box = model.box;
-    // Rounding moves a computed separation by a few units in the last place of the coordinates, and
-    // the place in the grid by less than a part in 10^6.
-    double const reach = 2 * model.radius * (1 + 1e-6) +
-                         8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
-                             std::max(box.width, box.height);
     // Fewer, larger cells where discs are sparse: 0.6 discs a cell was the fastest.
     double const sparse = std::sqrt(0.6 * box.width / std::max(count, 1) * box.height);
-    double const side = std::max(reach, sparse);
-    cells_.low_x = -box.width / 2;
-    cells_.low_y = -box.height / 2;
-    cells_.nx = cells_along(box.width, side, count);
-    cells_.ny = cells_along(box.height, side, count);
-    cells_.per_length_x = cells_.nx / box.width;
-    cells_.per_length_y = cells_.ny / box.height;
-    cells_.periodic_x = box.x == Boundary::periodic;
-    cells_.periodic_y = box.y == Boundary::periodic;
+    double const side = std::max(2 * model.radius, sparse);
+    cells_.x = axis(box.width, box.x, side, count);
+    cells_.y = axis(box.height, box.y, side, count);
     cells_.start = Ints("ricochet::cell_start", static_cast<std::size_t>(cells_.count()) + 1);
   }
 
@@ -199,11 +207,12 @@ class CellGrid {
   Discs<Space, Real>& spare() { return spare_; }
 
  private:
-  static int cells_along(double length, double side, int count)
+  static CellAxis axis(double length, Boundary boundary, double side, int discs)
   {
     // A box may be much longer than wide, but never needs more cells along it than this.
-    double const most = 2.0 * count + 1;
-    return static_cast<int>(std::max(1.0, std::min(std::floor(length / side), most)));
+    double const most = 2.0 * discs + 1;
+    auto const count = static_cast<int>(std::max(1.0, std::min(std::floor(length / side), most)));
+    return {-length / 2, length, count / length, count, boundary == Boundary::periodic};
   }
 
   Cells<Space> cells_;

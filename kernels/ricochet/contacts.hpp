@@ -2,9 +2,8 @@
 #pragma once
 
 #include "ricochet/books.hpp"
-#include "ricochet/cell_grid.hpp"
 #include "ricochet/contact_law.hpp"
-#include "ricochet/domain.hpp"
+#include "ricochet/neighbours.hpp"
 
 namespace ricochet {
 
@@ -44,8 +43,7 @@ struct Outside {
 template <class Space, class Real, bool periodic>
 struct FindContacts {
   Discs<Space, Real> discs;
-  Cells<Space> cells;
-  Domain<Real, periodic> domain;
+  Neighbours<Space, Real, periodic> neighbours; ///< closer than a diameter
   Outside outside;
   Real diameter;
   ContactFlags<Space> contacts; ///< by id
@@ -53,22 +51,20 @@ struct FindContacts {
   KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
   {
     auto const p = discs.position(i);
+    int const id = discs.id(i);
     Real const reach = diameter * diameter;
     Real nearest = reach;
     bool higher = false;
-    cells.template for_neighbours<periodic>(p, [&](int first, int last) {
-      for (int k = cells.start(first); k < cells.start(last + 1); ++k) {
-        auto const d = domain.separation(p, discs.position(k));
-        Real const distance2 = dot(d, d);
-        if (distance2 < reach && k != i) {
-          higher = higher || discs.id(k) > discs.id(i);
-          nearest = distance2 < nearest ? distance2 : nearest;
-        }
-      }
+    neighbours.for_each(p, [&](int k, Vec2<Real> d) {
+      if (k == i)
+        return;
+      higher = higher || discs.id(k) > id;
+      Real const distance2 = dot(d, d);
+      nearest = distance2 < nearest ? distance2 : nearest;
     });
-    contacts(discs.id(i)) = higher            ? contact::with_higher_id
-                            : nearest < reach ? contact::with_lower_ids
-                                              : contact::none;
+    contacts(id) = higher            ? contact::with_higher_id
+                   : nearest < reach ? contact::with_lower_ids
+                                     : contact::none;
     double const size = static_cast<double>(diameter);
     if (nearest < reach) {
       double const overlap = (size - sqrt(static_cast<double>(nearest))) / size;
@@ -81,10 +77,12 @@ struct FindContacts {
 
 /// What the pair step of a fixed-step engine works on: a state sorted into cells, its overlaps
 /// flagged, and the constants of the run.
-template <class Space, class Real>
+template <class Space, class Real, bool periodic>
 struct PairState {
   Discs<Space, Real> discs;
   Cells<Space> cells;
+  Domain<Real, periodic> domain;
+  Neighbours<Space, Real, periodic> neighbours; ///< closer than a diameter
   typename CellGrid<Space, Real>::Ints slot_of_id;
   ContactFlags<Space> contacts; ///< by id
   Real diameter;

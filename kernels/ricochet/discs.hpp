@@ -15,13 +15,17 @@ template <class Space, class Real>
 struct Discs {
   using Memory = typename Space::memory_space;
 
+  /// The arrays of positions are longer than the number of discs by this, so that a kernel may read
+  /// (and ignore) a few discs too many.
+  static constexpr int padding = 4;
+
   Kokkos::View<Real*, Memory> x, y, vx, vy;
   Kokkos::View<int*, Memory> id;
 
   Discs() = default;
   explicit Discs(int count)
-    : x(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::x", count)),
-      y(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::y", count)),
+    : x("ricochet::x", count + padding),
+      y("ricochet::y", count + padding),
       vx(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vx", count)),
       vy(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vy", count)),
       id(uninitialised<Kokkos::View<int*, Memory>>("ricochet::id", count))

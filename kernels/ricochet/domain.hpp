@@ -13,8 +13,6 @@ namespace ricochet {
 template <class Real, bool periodic>
 class Domain {
  public:
-  static constexpr bool is_periodic = periodic;
-
   explicit Domain(Box const& box)
   {
     if (box.x == Boundary::periodic)

@@ -28,6 +28,7 @@ class FixedStep : public Engine {
   FixedStep(Model const& model, Method const& method, std::vector<DiscState> const& initial)
     : model_(model),
       dt_(method.dt),
+      diameter_(static_cast<Real>(2) * static_cast<Real>(model.radius)),
       law_(contact_law<Real>(model.contact)),
       discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
       grid_(model, discs_.count()),
@@ -42,7 +43,8 @@ class FixedStep : public Engine {
           "this build fuses multiplications and additions (floating-point contraction), so its "
           "results would differ from other machines': build with -ffp-contract=off, or "
           "--fmad=false");
-    with_domain([&](auto const& domain) { wrap_all(space_, discs_, domain); });
+    with_boundaries(
+        [&](auto periodic) { wrap_all(space_, discs_, Domain<Real, periodic>(model_.box)); });
     auto const start = totals(space_, discs_, model_, scales_);
     kinetic_initial_ = start.kinetic.value(scales_.energy);
     potential_initial_ = start.potential.value(scales_.energy);
@@ -81,15 +83,20 @@ class FixedStep : public Engine {
   void resolve_contacts();
 
  private:
-  /// Calls use(domain) with the domain of the box, compiled for boxes with and without periodic
-  /// axes.
+  /// Calls use(periodic) with a compile-time answer to whether any axis of the box is periodic.
   template <class Use>
-  void with_domain(Use const& use) const
+  void with_boundaries(Use const& use) const
   {
     if (is_periodic(model_.box))
-      use(Domain<Real, true>(model_.box));
+      use(std::true_type{});
     else
-      use(Domain<Real, false>(model_.box));
+      use(std::false_type{});
+  }
+
+  template <bool periodic>
+  Neighbours<Space, Real, periodic> neighbours() const
+  {
+    return {discs_, grid_.cells(), model_.box, diameter_};
   }
 
   void note_warnings(EngineKind engine);
@@ -108,6 +115,7 @@ class FixedStep : public Engine {
   Space space_;
   Model model_;
   double dt_;
+  Real diameter_;
   AnyLaw<Real> law_;
   Discs<Space, Real> discs_;
   CellGrid<Space, Real> grid_;
@@ -141,14 +149,12 @@ void FixedStep<Space, Real, PairStep>::find_contacts()
     return;
   ProfilingRegion const region("ricochet::find_contacts");
   grid_.sort(space_, discs_);
-  with_domain([&](auto const& domain) {
-    using DomainType = std::decay_t<decltype(domain)>;
-    Kokkos::parallel_reduce("ricochet::find_contacts",
-                            Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
-                            FindContacts<Space, Real, DomainType::is_periodic>{
-                                discs_, grid_.cells(), domain, Outside(model_),
-                                static_cast<Real>(2) * static_cast<Real>(model_.radius), contacts_},
-                            Merge<Books, Space>(part_));
+  with_boundaries([&](auto periodic) {
+    Kokkos::parallel_reduce(
+        "ricochet::find_contacts", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
+        FindContacts<Space, Real, periodic>{discs_, neighbours<periodic>(), Outside(model_),
+                                            diameter_, contacts_},
+        Merge<Books, Space>(part_));
   });
   enter<Space>(space_, books_, part_);
   contacts_known_ = true;
@@ -158,16 +164,18 @@ template <class Space, class Real, class PairStep>
 void FixedStep<Space, Real, PairStep>::resolve_contacts()
 {
   ProfilingRegion const region("ricochet::resolve_contacts");
-  PairState<Space, Real> const state{discs_,
-                                     grid_.cells(),
-                                     grid_.slot_of_id(),
-                                     contacts_,
-                                     static_cast<Real>(2) * static_cast<Real>(model_.radius),
-                                     model_.gravity,
-                                     scales_,
-                                     books_};
-  with_domain([&](auto const& domain) {
-    std::visit([&](auto const& law) { pairs_.resolve(space_, state, domain, law); }, law_);
+  with_boundaries([&](auto periodic) {
+    PairState<Space, Real, periodic> const state{discs_,
+                                                 grid_.cells(),
+                                                 Domain<Real, periodic>(model_.box),
+                                                 neighbours<periodic>(),
+                                                 grid_.slot_of_id(),
+                                                 contacts_,
+                                                 diameter_,
+                                                 model_.gravity,
+                                                 scales_,
+                                                 books_};
+    std::visit([&](auto const& law) { pairs_.resolve(space_, state, law); }, law_);
   });
 }
 

@@ -16,9 +16,8 @@ namespace ricochet {
 /// Each disc takes its result from its last partner, which is the one with the highest id.
 template <class Space, class Real, class LawType, bool periodic>
 struct LastPartnerWins {
-  PairState<Space, Real> state;
+  PairState<Space, Real, periodic> state;
   Kokkos::View<Real*, typename Space::memory_space> new_vx, new_vy;
-  Domain<Real, periodic> domain;
   LawType law;
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
@@ -35,26 +34,22 @@ struct LastPartnerWins {
     int last = -1;
     PairVelocity<Real> before{v, v}, after{v, v};
     Vec2<Real> separation{0, 0};
-    state.cells.template for_neighbours<periodic>(p, [&](int first_cell, int last_cell) {
-      for (int k = state.cells.start(first_cell); k < state.cells.start(last_cell + 1); ++k) {
-        auto const d = domain.separation(p, discs.position(k));
-        bool const same_state = discs.position(k) == p && discs.velocity(k) == v;
-        if (!(dot(d, d) < state.diameter * state.diameter) || same_state)
-          continue; // among the discs in the same state is this disc itself
-        auto const normal = contact_normal(d, sqrt(dot(d, d)));
-        PairVelocity<Real> const pair{v, discs.velocity(k)};
-        auto const result = law(normal, pair);
-        if (discs.id(k) > id) {
-          ++books.collisions;
-          if (dot(pair.second - pair.first, normal) >= 0)
-            ++books.separating_hits;
-        }
-        if (discs.id(k) > last && !(result.first == v)) {
-          last = discs.id(k);
-          before = pair;
-          after = result;
-          separation = d;
-        }
+    state.neighbours.for_each(p, [&](int k, Vec2<Real> d) {
+      if (discs.position(k) == p && discs.velocity(k) == v)
+        return; // among the discs in the same state is this disc itself
+      auto const normal = contact_normal(d, sqrt(dot(d, d)));
+      PairVelocity<Real> const pair{v, discs.velocity(k)};
+      auto const result = law(normal, pair);
+      if (discs.id(k) > id) {
+        ++books.collisions;
+        if (dot(pair.second - pair.first, normal) >= 0)
+          ++books.separating_hits;
+      }
+      if (discs.id(k) > last && !(result.first == v)) {
+        last = discs.id(k);
+        before = pair;
+        after = result;
+        separation = d;
       }
     });
     if (last < 0)
@@ -86,12 +81,12 @@ class SimultaneousPairs {
   }
 
   template <class LawType, bool periodic>
-  void resolve(Space const& space, PairState<Space, Real> const& state,
-               Domain<Real, periodic> const& domain, LawType const& law)
+  void resolve(Space const& space, PairState<Space, Real, periodic> const& state,
+               LawType const& law)
   {
     Kokkos::parallel_reduce(
         "ricochet::last_partner_wins", Kokkos::RangePolicy<Space>(space, 0, state.discs.count()),
-        LastPartnerWins<Space, Real, LawType, periodic>{state, new_vx_, new_vy_, domain, law},
+        LastPartnerWins<Space, Real, LawType, periodic>{state, new_vx_, new_vy_, law},
         Merge<Books, Space>(books_));
     enter<Space>(space, state.books, books_);
     Kokkos::deep_copy(space, state.discs.vx, new_vx_);

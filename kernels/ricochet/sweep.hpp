@@ -79,9 +79,8 @@ struct Strays {
 /// All rows in order, by one thread.
 template <class Space, class Real, class LawType, bool periodic>
 struct ResolveInOrder {
-  PairState<Space, Real> state; ///< rows still to come are marked in its contacts
+  PairState<Space, Real, periodic> state; ///< rows still to come are marked in its contacts
   Strays<Space> strays;
-  Domain<Real, periodic> domain;
   LawType law;
 
   KOKKOS_INLINE_FUNCTION void operator()(int) const
@@ -140,7 +139,8 @@ struct ResolveInOrder {
   /// Both velocities follow the law; the second disc is pushed out of the overlap.
   KOKKOS_INLINE_FUNCTION void collide(int i, int j, Books& books) const
   {
-    auto const separation = domain.separation(state.discs.position(i), state.discs.position(j));
+    auto const separation =
+        state.domain.separation(state.discs.position(i), state.discs.position(j));
     Real const distance = sqrt(dot(separation, separation));
     auto const normal = contact_normal(separation, distance);
     PairVelocity<Real> const before{state.discs.velocity(i), state.discs.velocity(j)};
@@ -150,7 +150,7 @@ struct ResolveInOrder {
 
     auto const from = state.discs.position(j);
     auto const to = from + (state.diameter - distance) * normal;
-    state.discs.set_position(j, domain.wrapped(to));
+    state.discs.set_position(j, state.domain.wrapped(to));
     strays.moved(state.cells, j, state.cells.at(state.discs.position(j)));
 
     ++books.collisions;
@@ -177,17 +177,15 @@ struct ResolveInOrder {
   KOKKOS_INLINE_FUNCTION void for_overlapping(int i, Visit const& visit) const
   {
     auto const p = state.discs.position(i);
-    auto const test = [&](int k) {
-      auto const d = domain.separation(p, state.discs.position(k));
-      if (dot(d, d) < state.diameter * state.diameter && k != i)
+    auto const visit_others = [&](int k, Vec2<Real>) {
+      if (k != i)
         visit(k);
     };
-    state.cells.template for_neighbours<periodic>(p, [&](int first, int last) {
-      for (int k = state.cells.start(first); k < state.cells.start(last + 1); ++k)
-        test(k);
+    state.neighbours.for_blocks_near(p, [&](int first, int last) {
+      state.neighbours.for_each_in_block(p, first, last, visit_others);
       for (int c = first; c <= last; ++c)
         for (int k = strays.first_in_cell(c); k != Strays<Space>::none; k = strays.next(k))
-          test(k);
+          state.neighbours.test(p, k, visit_others);
     });
   }
 };
@@ -199,12 +197,11 @@ class OrderedPairs {
   OrderedPairs(Cells<Space> const& cells, int discs) : strays_(cells.count(), discs) {}
 
   template <class LawType, bool periodic>
-  void resolve(Space const& space, PairState<Space, Real> const& state,
-               Domain<Real, periodic> const& domain, LawType const& law)
+  void resolve(Space const& space, PairState<Space, Real, periodic> const& state,
+               LawType const& law)
   {
-    Kokkos::parallel_for(
-        "ricochet::resolve_in_order", Kokkos::RangePolicy<Space>(space, 0, 1),
-        ResolveInOrder<Space, Real, LawType, periodic>{state, strays_, domain, law});
+    Kokkos::parallel_for("ricochet::resolve_in_order", Kokkos::RangePolicy<Space>(space, 0, 1),
+                         ResolveInOrder<Space, Real, LawType, periodic>{state, strays_, law});
   }
 
  private:

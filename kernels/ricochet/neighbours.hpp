@@ -1,0 +1,81 @@
+// Who is near: the one search of all engines.
+#pragma once
+
+#include "ricochet/cell_grid.hpp"
+#include "ricochet/domain.hpp"
+
+#include <limits>
+
+namespace ricochet {
+
+/// Finds discs closer than a given distance among discs that are sorted into cells.
+template <class Space, class Real, bool periodic>
+class Neighbours {
+ public:
+  Neighbours(Discs<Space, Real> const& discs, Cells<Space> const& cells, Box const& box, Real reach)
+    : discs_(discs), cells_(cells), domain_(box), reach2_(reach * reach)
+  {
+    // Rounding moves a computed separation by a few units in the last place of the coordinates; the
+    // search must not be narrower than the test.
+    search_ = static_cast<double>(reach) * (1 + 1e-6) +
+              8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+                  (box.width > box.height ? box.width : box.height);
+  }
+
+  /// Calls visit(slot, separation) for every disc stored in a cell near `p` whose centre is now
+  /// closer to `p` than the reach; a disc at `p` is one of them.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each(Vec2<Real> p, Visit const& visit) const
+  {
+    for_blocks_near(p, [&](int first, int last) { for_each_in_block(p, first, last, visit); });
+  }
+
+  /// Calls visit(first, last) for blocks of cells that hold all discs that can be within reach.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_blocks_near(Vec2<Real> p, Visit const& visit) const
+  {
+    cells_.template for_blocks_near<periodic>(p, search_, visit);
+  }
+
+  /// for_each() among the discs stored in cells first...last.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_in_block(Vec2<Real> p, int first, int last,
+                                                Visit const& visit) const
+  {
+    // Four tests without a branch between them, then one branch: hits are rare, and it is
+    // mispredicted branches that cost. The arrays are padded, so that four can always be read.
+    constexpr int width = Discs<Space, Real>::padding;
+    int const end = cells_.start(last + 1);
+    for (int k = cells_.start(first); k < end; k += width) {
+      bool hit[width];
+      bool any = false;
+      for (int lane = 0; lane < width; ++lane) {
+        auto const d = domain_.separation(p, discs_.position(k + lane));
+        hit[lane] = dot(d, d) < reach2_;
+        any |= hit[lane];
+      }
+      if (any)
+        for (int lane = 0; lane < width && k + lane < end; ++lane)
+          if (hit[lane])
+            visit(k + lane, domain_.separation(p, discs_.position(k + lane)));
+    }
+  }
+
+  /// visit(slot, separation) if disc `k` is within reach of `p`.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void test(Vec2<Real> p, int k, Visit const& visit) const
+  {
+    auto const d = domain_.separation(p, discs_.position(k));
+    if (dot(d, d) < reach2_)
+      visit(k, d);
+  }
+
+ private:
+  Discs<Space, Real> discs_;
+  Cells<Space> cells_;
+  Domain<Real, periodic> domain_;
+  Real reach2_;
+  double search_;
+};
+
+} // namespace ricochet
