@@ -101,6 +101,7 @@ class Reader {
   Command read();
 
  private:
+  void reject_mistaken_command() const;
   void declare_run();
   void declare_info();
   void declare_compare();
@@ -134,8 +135,10 @@ Reader::Reader(std::vector<std::string> const& arguments)
   std::vector<std::string> first{"-h", "--help", "--version"};
   first.insert(first.end(), commands.begin(), commands.end());
   // The original's call has no word for the command.
-  if (!arguments_.empty() && std::find(first.begin(), first.end(), arguments_[0]) == first.end())
+  if (!arguments_.empty() && std::find(first.begin(), first.end(), arguments_[0]) == first.end()) {
+    reject_mistaken_command();
     arguments_.insert(arguments_.begin(), "run");
+  }
 
   app_.set_help_flag("-h,--help", "Print this help and exit");
   app_.set_version_flag("--version", version_text(), "Print version, Kokkos, HDF5 and backend");
@@ -148,6 +151,21 @@ Reader::Reader(std::vector<std::string> const& arguments)
   declare_run();
   declare_info();
   declare_compare();
+}
+
+// What looks like a command is not taken for a file.
+void Reader::reject_mistaken_command() const
+{
+  std::string const& word = arguments_[0];
+  if (word.rfind('-', 0) == 0) {
+    for (std::string const& argument : arguments_)
+      if (std::find(commands.begin(), commands.end(), argument) != commands.end())
+        wrong(fmt::format("{}: options follow the command: ricochet {} ...", word, argument));
+  } else if (word.find_first_of("./") == std::string::npos) {
+    std::string const hint = did_you_mean(word, commands);
+    if (!hint.empty())
+      wrong(fmt::format("{}: unknown command; {} (a file of that name is ./{})", word, hint, word));
+  }
 }
 
 CLI::Option* Reader::option(CLI::App* app, std::string const& names, std::string const& what,

@@ -55,6 +55,8 @@ TrajectoryInfo describe(std::string const& path)
   for (char const* name : parameter_names)
     if (auto const value = file.parameter(name))
       info.parameters.emplace_back(name, *value);
+  if (auto const steps = file.parameter("steps"))
+    info.planned_steps = static_cast<std::int64_t>(*steps);
   if (info.frames == 0)
     return info;
 
@@ -76,6 +78,11 @@ TrajectoryInfo describe(std::string const& path)
   return info;
 }
 
+bool is_complete(TrajectoryInfo const& info)
+{
+  return !info.planned_steps || info.last_step == info.planned_steps;
+}
+
 std::string in_words(TrajectoryInfo const& info)
 {
   std::string text = fmt::format("{}: {} frames of {} discs, {:.1f} MB", info.file, info.frames,
@@ -85,6 +92,8 @@ std::string in_words(TrajectoryInfo const& info)
   text += "\n";
   if (info.first_step)
     text += fmt::format("steps       {} ... {}\n", *info.first_step, *info.last_step);
+  if (!is_complete(info))
+    text += fmt::format("unfinished  the run was to take {} steps\n", *info.planned_steps);
   if (info.time)
     text += fmt::format("time        {} ... {}\n", shortest(info.time->first),
                         shortest(info.time->last));

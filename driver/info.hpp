@@ -30,6 +30,7 @@ struct TrajectoryInfo {
   std::string command_line, provenance;
   std::int64_t frames = 0, discs = 0;
   std::optional<std::int64_t> first_step, last_step; ///< empty without frames
+  std::optional<std::int64_t> planned_steps;         ///< of the run
   std::optional<Range> time;
   std::vector<Field> fields;
   std::vector<std::string> boundary;
@@ -39,6 +40,9 @@ struct TrajectoryInfo {
 };
 
 TrajectoryInfo describe(std::string const& path);
+
+/// False if the run that wrote it did not reach its end.
+bool is_complete(TrajectoryInfo const& info);
 
 /// The description for people.
 std::string in_words(TrajectoryInfo const& info);

@@ -85,6 +85,7 @@ std::string as_json(TrajectoryInfo const& info)
   json["discs"] = info.discs;
   json["step"] = info.first_step ? Json{{"first", *info.first_step}, {"last", *info.last_step}}
                                  : Json(nullptr);
+  json["complete"] = is_complete(info);
   json["time"] = info.time ? range(*info.time) : Json(nullptr);
   json["fields"] = Json::array();
   for (auto const& field : info.fields)

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <system_error>
 #include <unistd.h>
 
 namespace ricochet::driver {
@@ -115,29 +116,54 @@ TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
 
   if (header.replace)
     ::unlink(header.path.c_str()); // who still reads the old file keeps it
-  guarded([&] { create(); });
+  try {
+    guarded([&] { create(); });
+  } catch (Failure const& failure) {
+    if (failure.code() == Exit::io_error)
+      ::unlink(header.path.c_str()); // a file without a first frame is of no use
+    throw;
+  }
 }
 
 TrajectoryFile::~TrajectoryFile() = default;
 
-// Runs `work`; if HDF5 fails, lets go of the file and reports a Failure. Closing the file would
-// write to it once more, and it is better left as the last flush made it.
+// Runs `work`; if the file cannot be written, lets go of it and reports a Failure.
 template <class Work>
 void TrajectoryFile::guarded(Work const& work)
 {
+  std::string reason;
   try {
-    work();
+    return work();
   } catch (hdf5::Error const& error) {
-    bool const created = file_ >= 0;
-    abandon();
-    throw Failure(created ? Exit::io_error : Exit::cannot_create,
-                  fmt::format("cannot {} trajectory '{}': {}", created ? "write" : "create",
-                              header_.path, error.what()));
+    reason = error.what();
+  } catch (std::system_error const& error) {
+    reason = error.code().message();
   }
+  bool const created = file_ >= 0;
+  abandon();
+  throw Failure(created ? Exit::io_error : Exit::cannot_create,
+                fmt::format("cannot {} trajectory '{}': {}", created ? "write" : "create",
+                            header_.path, reason));
 }
 
+// HDF5 goes on flushing after a write that failed, and closing flushes: what was good before would
+// not be afterwards. So room is made sure of before anything is changed.
+void TrajectoryFile::reserve(std::uint64_t bytes)
+{
+  constexpr std::uint64_t metadata = 512 * 1024; // chunks of the observables included
+  hsize_t size = 0;
+  hdf5::check(H5Fget_filesize(file_, &size));
+  space_.reserve(size + bytes + metadata);
+}
+
+// Leaves the file without closing it, which would write to it once more, as the last flush made it.
+// Should a write have failed in spite of reserve(), then the file may claim to be longer than it
+// is, and nobody would open it; its frames are there nevertheless.
 void TrajectoryFile::abandon()
 {
+  hsize_t size = 0;
+  if (file_ >= 0 && H5Fget_filesize(file_, &size) >= 0)
+    space_.release(size);
   for (Element& element : elements_)
     element.value.abandon();
   for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
@@ -163,6 +189,11 @@ void TrajectoryFile::create()
   hdf5::check(H5Pset_mdc_config(access, &cache));
 
   file_ = hdf5::File(H5Fcreate(header_.path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access));
+  space_ = DiskSpace(header_.path);
+  std::uint64_t bytes = discs_ * sizeof(std::int64_t); // ids
+  for (auto const& [name, text] : header_.texts)
+    bytes += name.size() + text.size();
+  reserve(bytes);
 
   Group const h5md = hdf5::create_group(file_, "/h5md");
   hdf5::write_attribute<std::int32_t>(h5md, "version", std::vector<std::int32_t>{1, 1});
@@ -305,8 +336,15 @@ void TrajectoryFile::create_parameters()
 
 void TrajectoryFile::append(std::vector<std::unique_ptr<Frame>> const& frames)
 {
-  if (!frames.empty())
-    guarded([&] { write_frames(frames); });
+  if (frames.empty())
+    return;
+  std::uint64_t const chunks = (discs_ + discs_per_chunk_ - 1) / discs_per_chunk_;
+  std::uint64_t const numbers = static_cast<std::uint64_t>(frames_per_block_) * chunks *
+                                discs_per_chunk_ * 3 * (header_.velocity ? 2 : 1);
+  guarded([&] {
+    reserve(numbers * (header_.float32 ? sizeof(float) : sizeof(double)));
+    write_frames(frames);
+  });
 }
 
 void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& frames)
@@ -400,6 +438,7 @@ void TrajectoryFile::close()
     for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
       dataset->reset();
     file_.reset();
+    space_.release();
   });
 }
 

@@ -3,6 +3,7 @@
 // driver/README.md describes the layout for users.
 #pragma once
 
+#include "disk_space.hpp"
 #include "hdf5.hpp"
 
 #include "ricochet/engine.hpp"
@@ -83,6 +84,7 @@ class TrajectoryFile {
   void write_series(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
                     hsize_t columns, Get const& get);
   void write_edges(std::vector<std::unique_ptr<Frame>> const& frames);
+  void reserve(std::uint64_t bytes);
   void abandon();
 
   TrajectoryHeader header_;
@@ -90,6 +92,7 @@ class TrajectoryFile {
   hsize_t discs_per_chunk_;
   std::int64_t frames_per_block_;
   std::int64_t frames_ = 0;
+  DiskSpace space_;
   hdf5::File file_;
   hdf5::Dataset step_, time_, position_, velocity_, edges_;
   std::vector<Element> elements_;
