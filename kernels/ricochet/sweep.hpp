@@ -86,10 +86,17 @@ struct ResolveInOrder {
   KOKKOS_INLINE_FUNCTION void operator()(int) const
   {
     Books books;
-    for (int id = 0; id < state.discs.count(); ++id)
-      if (state.contacts(id) == contact::with_higher_id)
-        resolve_row(id, books);
-    strays.clear(state.discs.count());
+    int const n = state.discs.count();
+    int flagged = 0;
+    for (int id = 0; id < n; ++id)
+      flagged += state.contacts(id) == contact::with_higher_id ? 1 : 0;
+    // Where most rows have partners anyway, looking at all of them is cheaper than finding out
+    // after each push which are to be looked at.
+    bool const every_row = flagged > n / 4;
+    for (int id = 0; id < n; ++id)
+      if (every_row || state.contacts(id) == contact::with_higher_id)
+        resolve_row(id, !every_row, books);
+    strays.clear(n);
     state.books().merge(books);
   }
 
@@ -117,7 +124,7 @@ struct ResolveInOrder {
     }
   };
 
-  KOKKOS_INLINE_FUNCTION void resolve_row(int id, Books& books) const
+  KOKKOS_INLINE_FUNCTION void resolve_row(int id, bool mark, Books& books) const
   {
     int const i = state.slot_of_id(id);
     int done = id;
@@ -129,7 +136,8 @@ struct ResolveInOrder {
       });
       for (int k = 0; k < batch.size; ++k) {
         collide(i, batch.slot[k], books);
-        mark_new_contacts(id, batch.slot[k]);
+        if (mark)
+          mark_new_contacts(id, batch.slot[k]);
       }
       more = batch.size == Batch::capacity;
       done = more ? batch.id[batch.size - 1] : done;
