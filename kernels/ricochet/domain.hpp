@@ -1,6 +1,7 @@
 // The box as the kernels see it: separations and positions on periodic axes.
 #pragma once
 
+#include "ricochet/discs.hpp"
 #include "ricochet/model.hpp"
 #include "ricochet/vec2.hpp"
 
@@ -67,6 +68,16 @@ class Domain {
 
   Axis x_, y_;
 };
+
+/// Brings every disc to its image inside the box.
+template <class Space, class Real, bool periodic>
+void wrap_all(Space const& space, Discs<Space, Real> const& discs,
+              Domain<Real, periodic> const& domain)
+{
+  Kokkos::parallel_for(
+      "ricochet::wrap_all", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+      KOKKOS_LAMBDA(int i) { discs.set_position(i, domain.wrapped(discs.position(i))); });
+}
 
 /// Whether any axis of the box is periodic.
 inline bool is_periodic(Box const& box)

@@ -129,17 +129,6 @@ class FixedStep : public Engine {
   bool contacts_known_ = false; ///< whether cells and contacts are those of the present state
 };
 
-/// Brings every disc to its image inside the box.
-template <class Space, class Real, bool periodic>
-void wrap_all(Space const& space, Discs<Space, Real> const& discs,
-              Domain<Real, periodic> const& domain)
-{
-  if constexpr (periodic)
-    Kokkos::parallel_for(
-        "ricochet::wrap_all", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
-        KOKKOS_LAMBDA(int i) { discs.set_position(i, domain.wrapped(discs.position(i))); });
-}
-
 /// Sorts the discs into cells, flags those that overlap and notes the extremes of the state. What a
 /// report has found serves the next step as well.
 template <class Space, class Real, class PairStep>
