@@ -25,11 +25,12 @@ std::int64_t steps_or_fail(std::string const& quantity, double time, double dt)
                   fmt::format("{} {} is {} steps of {}, more than can be counted", quantity,
                               shortest(time), shortest(ratio), shortest(dt)));
   double const nearest = std::max(1.0, std::round(ratio));
-  throw Failure(Exit::usage,
-                fmt::format("{} {} is not a whole number of steps: dt = {} gives {} (allowed: a "
-                            "multiple of dt) {} steps of --dt {} would do",
-                            quantity, shortest(time), shortest(dt), shortest(ratio),
-                            shortest(nearest), shortest(time / nearest)));
+  throw Failure(
+      Exit::usage,
+      fmt::format("{} {} is not a whole number of steps: dt = {} gives {:.10g} (allowed: a "
+                  "multiple of dt) --dt {} makes it {:.0f}",
+                  quantity, shortest(time), shortest(dt), ratio, shortest(time / nearest),
+                  nearest));
 }
 
 } // namespace

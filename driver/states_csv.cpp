@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t longest_record = 4096;
 constexpr std::size_t batch = 1024;
 constexpr char const* names[4] = {"x", "y", "vx", "vy"};
+constexpr char const* no_blanks = "remove the blanks around the commas";
 constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
 int field_of(std::string const& quantity)
@@ -123,10 +124,10 @@ bool StatesParser::parse_record(std::string_view word, DiscState& disc, Record& 
   if (numbers != 4) {
     bool const broken = word.front() == ',' || word.back() == ',';
     add(carry_place_,
-        fmt::format("found {} numbers in {} (a record is the four numbers x,y,vx,vy; white space "
+        fmt::format("found {} number{} in {} (a record is the four numbers x,y,vx,vy; white space "
                     "separates records)",
-                    numbers, in_quotes(word)),
-        broken ? "remove the blanks around the commas" : "");
+                    numbers, numbers == 1 ? "" : "s", in_quotes(word)),
+        broken ? no_blanks : "");
     return false;
   }
 
@@ -141,10 +142,13 @@ bool StatesParser::parse_record(std::string_view word, DiscState& disc, Record& 
     NumberError const error = parse_decimal(number, *values[field]);
     if (error != NumberError::none) {
       bool const header = record.line == 1 && number == names[field];
+      bool const at_comma = number.empty() && (field == 0 || field == 3);
       add({record.line, record.columns[field]},
           fmt::format("{}: found {}, which {} (allowed: a decimal number)", names[field],
                       in_quotes(number), explain(error)),
-          header ? "remove the header line" : "");
+          header     ? "remove the header line"
+          : at_comma ? no_blanks
+                     : "");
       good = false;
     }
     start = end + 1;

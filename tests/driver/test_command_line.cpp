@@ -1,0 +1,167 @@
+// The command line: what is understood, and what every mistake is told as.
+#include "command_line.hpp"
+
+#include "exit_codes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ricochet::driver {
+namespace {
+
+RunOptions run_options(std::vector<std::string> const& arguments)
+{
+  return std::get<RunOptions>(parse_command_line(arguments));
+}
+
+TEST(CommandLine, TheOriginalsCallIsRun)
+{
+  for (auto const& arguments : {std::vector<std::string>{"s.csv", "c.csv"},
+                                std::vector<std::string>{"run", "s.csv", "c.csv"}}) {
+    RunOptions const options = run_options(arguments);
+    EXPECT_EQ(options.states, "s.csv");
+    EXPECT_EQ(options.config, "c.csv");
+    EXPECT_EQ(options.engine, EngineKind::sweep);
+    EXPECT_EQ(options.law, Law::swap_scale);
+    EXPECT_EQ(options.precision, Precision::double_);
+  }
+  EXPECT_EQ(run_options({"--quiet", "s.csv"}).states, "s.csv");
+}
+
+TEST(CommandLine, EveryOptionOfRunArrives)
+{
+  RunOptions const o = run_options({"run",        "s.csv",        "-o",
+                                    "t.h5md",     "--every",      "10",
+                                    "--fields",   "position",     "--float32",
+                                    "--compress", "deflate",      "--final",
+                                    "-",          "--json",       "j",
+                                    "--engine",   "simultaneous", "--precision",
+                                    "single",     "--law",        "restitution",
+                                    "--dt",       "0.125",        "--duration",
+                                    "2",          "--threads",    "3",
+                                    "--force",    "--quiet",      "--kokkos-disable-warnings"});
+  EXPECT_EQ(o.output, "t.h5md");
+  EXPECT_EQ(o.every, 10);
+  EXPECT_FALSE(o.velocity);
+  EXPECT_TRUE(o.float32);
+  EXPECT_EQ(o.compression, Compression::deflate);
+  EXPECT_EQ(o.final_file, "-");
+  EXPECT_EQ(o.json, "j");
+  EXPECT_EQ(o.engine, EngineKind::simultaneous);
+  EXPECT_EQ(o.precision, Precision::single_);
+  EXPECT_EQ(o.law, Law::restitution);
+  EXPECT_EQ(o.dt, 0.125);
+  EXPECT_EQ(o.duration, 2);
+  EXPECT_EQ(o.kokkos.threads, 3);
+  EXPECT_TRUE(o.force);
+  EXPECT_TRUE(o.kokkos.quiet);
+  EXPECT_EQ(o.kokkos.flags, std::vector<std::string>{"--kokkos-disable-warnings"});
+  EXPECT_EQ(run_options({"s.csv", "--steps-per-time", "8"}).dt, 0.125);
+  EXPECT_EQ(run_options({"s.csv", "--steps", "0"}).steps, 0);
+}
+
+TEST(CommandLine, EveryHelpHasExamples)
+{
+  for (auto const& arguments :
+       {std::vector<std::string>{"--help"}, std::vector<std::string>{"run", "--help"},
+        std::vector<std::string>{"info", "--help"}, std::vector<std::string>{"compare", "-h"}}) {
+    Answer const answer = std::get<Answer>(parse_command_line(arguments));
+    EXPECT_NE(answer.text.find("Examples:"), std::string::npos) << arguments[0];
+  }
+}
+
+struct BadCall {
+  std::vector<std::string> arguments;
+  char const* message;
+};
+
+class BadCalls : public testing::TestWithParam<BadCall> {};
+
+TEST_P(BadCalls, AreUsageErrorsThatSayWhatIsAllowed)
+{
+  try {
+    parse_command_line(GetParam().arguments);
+    FAIL() << GetParam().message;
+  } catch (Failure const& failure) {
+    EXPECT_EQ(failure.code(), Exit::usage);
+    EXPECT_STREQ(failure.what(), GetParam().message);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadCalls,
+    testing::Values(
+        BadCall{{}, "no STATES file and no command (`ricochet --help` explains)"},
+        BadCall{{"rnu", "s.csv"},
+                "rnu: unknown command; did you mean 'run'? (a file of that name is ./rnu)"},
+        BadCall{{"--quiet", "run", "s.csv"},
+                "--quiet: options follow the command: ricochet run ..."},
+        BadCall{{"s.csv", "-animate"}, "-animate: unknown option (`ricochet run --help` explains)"},
+        BadCall{
+            {"s.csv", "--forse"},
+            "--forse: unknown option; did you mean '--force'? (`ricochet run --help` explains)"},
+        BadCall{{"s.csv", "c.csv", "d.csv"},
+                "d.csv: unknown argument (`ricochet run --help` explains)"},
+        BadCall{{"s.csv", "--final", "-", "--json", "-"},
+                "--final - and --json - both ask for standard output: give one of them a file"},
+        BadCall{{"s.csv", "-o", "-"},
+                "--output: found '-' (allowed: a file; a trajectory cannot go to standard output)"},
+        BadCall{{"s.csv", "--every", "2"}, "--every: needs a trajectory: add --output FILE.h5md"},
+        BadCall{{"s.csv", "--float32"}, "--float32: needs a trajectory: add --output FILE.h5md"},
+        BadCall{{"s.csv", "--every", "0", "-o", "t"},
+                "--every: found 0 (allowed: an integer in 1...9007199254740992)"},
+        BadCall{{"s.csv", "--every", "1.5", "-o", "t"},
+                "--every: found '1.5', which is not an integer (allowed: an integer in "
+                "1...9007199254740992)"},
+        BadCall{{"s.csv", "--every-time", "0", "-o", "t"},
+                "--every-time: found 0 (allowed: a decimal number > 0)"},
+        BadCall{{"s.csv", "--steps", "-1"},
+                "--steps: found -1 (allowed: an integer in 0...9007199254740992)"},
+        BadCall{{"s.csv", "--steps", "0x10"},
+                "--steps: found '0x10', which is hexadecimal (allowed: an integer in "
+                "0...9007199254740992)"},
+        BadCall{{"s.csv", "--dt", "0"}, "--dt: found 0 (allowed: a decimal number > 0)"},
+        BadCall{{"s.csv", "--dt", "nan"},
+                "--dt: found 'nan', which is not finite (allowed: a decimal number > 0)"},
+        BadCall{{"s.csv", "--steps-per-time", "1e-320"},
+                "--steps-per-time: found 1e-320 (allowed: what has a reciprocal)"},
+        BadCall{{"s.csv", "--duration", "-2"},
+                "--duration: found -2 (allowed: a decimal number >= 0)"},
+        BadCall{{"s.csv", "--threads", "0"},
+                "--threads: found 0 (allowed: an integer in 1...65536)"},
+        BadCall{{"s.csv", "--engine", "swep"},
+                "--engine: found 'swep' (allowed: sweep, simultaneous) did you mean 'sweep'?"},
+        BadCall{{"s.csv", "--law", "x"}, "--law: found 'x' (allowed: swap_scale, restitution)"},
+        BadCall{{"s.csv", "--precision", "half"},
+                "--precision: found 'half' (allowed: double, single)"},
+        BadCall{{"s.csv", "--compress", "gzip", "-o", "t"},
+                "--compress: found 'gzip' (allowed: auto, none, deflate)"},
+        BadCall{{"s.csv", "--fields", "velocity", "-o", "t"},
+                "--fields: found no position (allowed: position; position,velocity)"},
+        BadCall{{"s.csv", "--fields", "position,spin", "-o", "t"},
+                "--fields: found 'spin' (allowed: position; position,velocity)"},
+        BadCall{{"s.csv", "--final", ""}, "--final: found no file name"},
+        BadCall{{"compare", "a", "b", "--tolerance", "-1"},
+                "--tolerance: found -1 (allowed: a decimal number >= 0)"},
+        BadCall{{"info", "a", "--kokkos-threads=2"},
+                "--kokkos-threads=2: only `ricochet run` starts Kokkos"}));
+
+TEST(CommandLine, OptionsThatContradictEachOtherAreRefused)
+{
+  for (auto const& arguments :
+       {std::vector<std::string>{"s.csv", "--dt", "1", "--steps-per-time", "1"},
+        std::vector<std::string>{"s.csv", "--steps", "1", "--duration", "1"},
+        std::vector<std::string>{"s.csv", "-o", "t", "--every", "1", "--every-time", "1"},
+        std::vector<std::string>{"s.csv", "--dt", "1", "--dt", "2"},
+        std::vector<std::string>{"s.csv", "--dt"}, std::vector<std::string>{"info"},
+        std::vector<std::string>{"compare", "a"}}) {
+    try {
+      parse_command_line(arguments);
+      FAIL() << arguments[1];
+    } catch (Failure const& failure) {
+      EXPECT_EQ(failure.code(), Exit::usage) << failure.what();
+    }
+  }
+}
+
+} // namespace
+} // namespace ricochet::driver
