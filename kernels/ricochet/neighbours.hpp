@@ -47,16 +47,17 @@ class Neighbours {
     constexpr int width = Discs<Space, Real>::padding;
     int const end = cells_.start(last + 1);
     for (int k = cells_.start(first); k < end; k += width) {
-      bool hit[width];
-      bool any = false;
+      Real distance2[width];
       for (int lane = 0; lane < width; ++lane) {
         auto const d = domain_.separation(p, discs_.position(k + lane));
-        hit[lane] = dot(d, d) < reach2_;
-        any |= hit[lane];
+        distance2[lane] = dot(d, d);
       }
-      if (any)
+      unsigned hits = 0;
+      for (int lane = 0; lane < width; ++lane)
+        hits |= (distance2[lane] < reach2_ ? 1u : 0u) << lane;
+      if (hits != 0)
         for (int lane = 0; lane < width && k + lane < end; ++lane)
-          if (hit[lane])
+          if ((hits >> lane & 1u) != 0)
             visit(k + lane, domain_.separation(p, discs_.position(k + lane)));
     }
   }
