@@ -78,6 +78,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_G
             COMPILE_OUTPUT_VARIABLE ricochet_view_output)
     if(NOT ricochet_view_compiled)
       message(FATAL_ERROR "A program with one Kokkos::View does not compile:\n${ricochet_view_output}")
+    elseif(ricochet_view_ran EQUAL 127)
+      message(STATUS "A first View could not be tried here: its program does not start (no device driver?)")
     elseif(NOT ricochet_view_ran EQUAL 0)
       unset(ricochet_view_ran CACHE)
       unset(ricochet_view_compiled CACHE)
