@@ -34,6 +34,19 @@ char const* name(Compression compression)
   return "";
 }
 
+// `argument` as a shell would take it back.
+std::string for_shell(std::string const& argument)
+{
+  std::string const plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos)
+    return argument;
+  std::string out = "'";
+  for (char const c : argument)
+    out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 double decimal(std::string const& option, std::string const& word, bool zero_allowed)
 {
   double value = 0;
@@ -126,7 +139,7 @@ Reader::Reader(std::vector<std::string> const& arguments)
 {
   run_options_.command_line = "ricochet";
   for (std::string const& argument : arguments) {
-    run_options_.command_line += " " + argument;
+    run_options_.command_line += " " + for_shell(argument);
     if (argument.rfind("--kokkos-", 0) == 0)
       run_options_.kokkos.flags.push_back(argument);
     else

@@ -38,7 +38,7 @@ struct RunOptions {
 
   bool force = false;
   KokkosOptions kokkos;     ///< with --quiet and --threads
-  std::string command_line; ///< as it was given
+  std::string command_line; ///< as it was given, in a form that a shell takes back
 };
 
 /// ricochet info FILE

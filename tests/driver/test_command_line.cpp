@@ -59,6 +59,12 @@ TEST(CommandLine, EveryOptionOfRunArrives)
   EXPECT_EQ(run_options({"s.csv", "--steps", "0"}).steps, 0);
 }
 
+TEST(CommandLine, TheCommandLineIsKeptInAFormThatAShellTakesBack)
+{
+  EXPECT_EQ(run_options({"a b.csv", "--final", "it's", "-q"}).command_line,
+            "ricochet 'a b.csv' --final 'it'\\''s' -q");
+}
+
 TEST(CommandLine, EveryHelpHasExamples)
 {
   for (auto const& arguments :

@@ -72,6 +72,14 @@ TEST(Compare, StatesByFieldAndDisc)
   EXPECT_TRUE(compare_files(a, a, 0).within(0));
 }
 
+TEST(Compare, TheFirstOfEqualDeviationsIsShown)
+{
+  Folder const folder;
+  auto const a = folder.write("a.csv", "0,0,0,0 0,0,0,0 0,0,0,0");
+  auto const b = folder.write("b.csv", "0,0,0,0 0,0,1,0 0,0,1,0");
+  EXPECT_EQ(of(compare_files(a, b, 0), "vx").disc, 1);
+}
+
 TEST(Compare, TrajectoriesByFieldFrameAndDisc)
 {
   Folder const folder;
