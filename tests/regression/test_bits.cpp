@@ -3,6 +3,7 @@
 // Bits are the whole claim here, so no tolerance appears. The scenes start with discs thrown
 // anywhere, on top of each other and into the walls: the hardest states an engine can be given.
 #include "support/compare.hpp"
+#include "support/random.hpp"
 #include "support/reference.hpp"
 #include "support/runs.hpp"
 
@@ -33,8 +34,8 @@ void expect_reference_bits(Scene const& scene, EngineKind engine, Precision prec
     parallel->advance(step - now);
     now = step;
     auto const expected = reference.states();
-    ASSERT_TRUE(same_bits(states(*serial), expected)) << "on one thread";
-    ASSERT_TRUE(same_bits(states(*parallel), expected)) << "on the default backend";
+    ASSERT_TRUE(same_bits(states(serial), expected)) << "on one thread";
+    ASSERT_TRUE(same_bits(states(parallel), expected)) << "on the default backend";
   }
 
   auto const report = serial->report();
@@ -98,9 +99,11 @@ TEST_P(EngineBits, AreTheReferencesAtEveryPackingAndOrderOfIds)
   std::uint64_t seed = 1;
   for (double const packing : {0.05, 0.3, 0.6, 0.9, 1.1})
     for (auto const ids : {Ids::shuffled, Ids::row_major, Ids::reversed}) {
+      if (ids != Ids::shuffled && packing != 0.6 && packing != 1.1)
+        continue; // the order of ids matters where discs push each other
       SCOPED_TRACE("packing " + std::to_string(packing) + ", ids " + name(ids));
-      expect_reference_bits(crowd(211, packing, 20, ids, s.gravity, s.contact, s.x, s.y, seed++),
-                            s.engine, {1, 2, 3, 12});
+      expect_reference_bits(crowd(173, packing, 20, ids, s.gravity, s.contact, s.x, s.y, seed++),
+                            s.engine, {1, 2, 8});
       if (HasFatalFailure())
         return;
     }
@@ -111,7 +114,7 @@ TEST_P(EngineBits, AreTheReferencesAfterAHundredAndFiftySteps)
 {
   auto const s = GetParam();
   expect_reference_bits(crowd(150, 0.5, 20, Ids::row_major, s.gravity, s.contact, s.x, s.y, 99),
-                        s.engine, {50, 150});
+                        s.engine, {60, 150});
 }
 
 // Steps of up to seven diameters: discs overshoot walls and wrap around, and may end up far
@@ -122,7 +125,7 @@ TEST_P(EngineBits, AreTheReferencesWhereDiscsCrossTheBoxInAFewSteps)
   for (double const packing : {0.1, 0.7})
     expect_reference_bits(
         crowd(101, packing, 600, Ids::shuffled, s.gravity, s.contact, s.x, s.y, 5), s.engine,
-        {1, 2, 30});
+        {1, 2, 20});
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, EngineBits, testing::ValuesIn(settings()), name_of);
@@ -166,6 +169,31 @@ INSTANTIATE_TEST_SUITE_P(
                     LargeCase{1.1, Ids::row_major, {simultaneous, periodic, periodic, 0, elastic}}),
     name_of_large);
 
+// Boxes down to one disc wide, with fewer cells than a stencil has, and every mixture of terms.
+TEST(EngineBits, AreTheReferencesInBoxesOfEveryShape)
+{
+  Random random(17);
+  auto const either = [&] { return random.below(2) == 0; };
+  for (int k = 0; k < 250; ++k) {
+    SCOPED_TRACE("scene " + std::to_string(k));
+    Scene scene;
+    auto const side = [&] { return either() ? random.between(2, 9) : random.between(2, 40); };
+    double const width = side(), height = either() ? 2.0 : side();
+    Contact const contact{either() ? Law::swap_scale : Law::restitution,
+                          either() ? 1.0 : random.unit(), either() ? 1.0 : random.unit()};
+    scene.model = make_model(width, height, either() ? 0 : random.between(-20, 20), contact,
+                             either() ? walls : periodic, either() ? walls : periodic);
+    if (scene.model.box.y == periodic)
+      scene.model.gravity = 0;
+    scene.dt = random.between(0.001, 0.1);
+    scene.discs = random_discs(scene.model, random.below(40), random.between(0, 50), Ids::shuffled,
+                               random.bits());
+    expect_reference_bits(scene, either() ? EngineKind::sweep : EngineKind::simultaneous, {1, 10});
+    if (HasFailure())
+      return;
+  }
+}
+
 // A disc's own history must not matter: a run that stops, reports and goes on is the same run.
 TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
 {
@@ -180,7 +208,7 @@ TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
     }
     auto const at_once = start(scene, way);
     at_once->advance(40);
-    EXPECT_TRUE(same_bits(states(*one_by_one), states(*at_once)));
+    EXPECT_TRUE(same_bits(states(one_by_one), states(at_once)));
     EXPECT_TRUE(same_bits(one_by_one->report(), at_once->report()));
   }
 }

@@ -136,7 +136,7 @@ class Golden : public testing::TestWithParam<std::tuple<std::string, Way>> {
         tolerance = sensitivity(scene, way.engine, step);
       engine->advance(step - now);
       now = step;
-      ASSERT_TRUE(close(states(*engine), expected, tolerance)) << "step " << step;
+      ASSERT_TRUE(close(states(engine), expected, tolerance)) << "step " << step;
     }
   }
 };

@@ -9,11 +9,29 @@ namespace ricochet::test {
 
 namespace {
 
-/// Twice the kinetic energy, exact to extended precision.
+using Wide = long double;
+
+/// Twice the kinetic energy.
 template <class Real>
-long double square(Real vx, Real vy)
+Wide square(Real vx, Real vy)
 {
-  return static_cast<long double>(vx) * vx + static_cast<long double>(vy) * vy;
+  return Wide{vx} * Wide{vx} + Wide{vy} * Wide{vy};
+}
+
+/// What a pair gains in kinetic energy when its velocities `before` become `after`.
+template <class Real>
+Wide gain(PairVelocity<Real> const& before, PairVelocity<Real> const& after)
+{
+  return (square(after.first.x, after.first.y) + square(after.second.x, after.second.y) -
+          square(before.first.x, before.first.y) - square(before.second.x, before.second.y)) /
+         2;
+}
+
+/// (change of velocity) . d
+template <class Real>
+Wide work(Vec2<Real> before, Vec2<Real> after, Real dx, Real dy)
+{
+  return (Wide{after.x} - Wide{before.x}) * Wide{dx} + (Wide{after.y} - Wide{before.y}) * Wide{dy};
 }
 
 template <class Real>
@@ -113,27 +131,26 @@ void Reference<Real>::resolve_pairs_in_order(Law const& law)
 
       Real const distance = std::sqrt(d2);
       auto const n = contact_normal<Real>({d.x, d.y}, distance);
-      auto const v = law(n, PairVelocity<Real>{{a.vx, a.vy}, {b.vx, b.vy}});
+      PairVelocity<Real> const before{{a.vx, a.vy}, {b.vx, b.vy}};
+      auto const after = law(n, before);
 
       books_.collisions += 1;
       if ((b.vx - a.vx) * n.x + (b.vy - a.vy) * n.y >= 0)
         books_.separating_hits += 1;
-      books_.lost_pairs += (square(a.vx, a.vy) + square(b.vx, b.vy) - square(v.first.x, v.first.y) -
-                            square(v.second.x, v.second.y)) /
-                           2;
-      books_.virial += static_cast<long double>(v.second.x - b.vx) * d.x +
-                       static_cast<long double>(v.second.y - b.vy) * d.y;
+      books_.lost_pairs -= gain(before, after);
+      books_.virial += (work(before.second, after.second, d.x, d.y) -
+                        work(before.first, after.first, d.x, d.y)) /
+                       2;
 
-      a.vx = v.first.x;
-      a.vy = v.first.y;
-      b.vx = v.second.x;
-      b.vy = v.second.y;
+      a.vx = after.first.x;
+      a.vy = after.first.y;
+      b.vx = after.second.x;
+      b.vy = after.second.y;
 
       Real const y_before = b.y;
       b.x += (diameter_ - distance) * n.x;
       b.y += (diameter_ - distance) * n.y;
-      books_.numerical += static_cast<long double>(gravity_) *
-                          (static_cast<long double>(b.y) - static_cast<long double>(y_before));
+      books_.numerical += Wide{gravity_} * (Wide{b.y} - Wide{y_before});
       wrap(b);
     }
 }
@@ -146,7 +163,7 @@ void Reference<Real>::resolve_pairs_simultaneously(Law const& law)
   auto const old = discs_;
   for (std::size_t i = 0; i < old.size(); ++i) {
     auto const& a = old[i];
-    long double pair_loss = 0;
+    Wide half_loss = 0, half_virial = 0;
     for (std::size_t j = 0; j < old.size(); ++j) {
       auto const& b = old[j];
       if (a.x == b.x && a.y == b.y && a.vx == b.vx && a.vy == b.vy)
@@ -157,23 +174,24 @@ void Reference<Real>::resolve_pairs_simultaneously(Law const& law)
         continue;
 
       auto const n = contact_normal<Real>({d.x, d.y}, std::sqrt(d2));
-      auto const v = law(n, PairVelocity<Real>{{a.vx, a.vy}, {b.vx, b.vy}});
+      PairVelocity<Real> const before{{a.vx, a.vy}, {b.vx, b.vy}};
+      auto const after = law(n, before);
       if (i < j) {
         books_.collisions += 1;
         if ((b.vx - a.vx) * n.x + (b.vy - a.vy) * n.y >= 0)
           books_.separating_hits += 1;
       }
-      if (v.first.x == a.vx && v.first.y == a.vy)
+      if (after.first.x == a.vx && after.first.y == a.vy)
         continue;
-      discs_[i].vx = v.first.x;
-      discs_[i].vy = v.first.y;
-      pair_loss = (square(a.vx, a.vy) + square(b.vx, b.vy) - square(v.first.x, v.first.y) -
-                   square(v.second.x, v.second.y)) /
-                  2;
+      discs_[i].vx = after.first.x;
+      discs_[i].vy = after.first.y;
+      half_loss = -gain(before, after) / 2;
+      half_virial = -work(before.first, after.first, d.x, d.y) / 2;
     }
-    long double const gain = (square(discs_[i].vx, discs_[i].vy) - square(a.vx, a.vy)) / 2;
-    books_.lost_pairs += pair_loss / 2;
-    books_.numerical += gain + pair_loss / 2;
+    Wide const gained = (square(discs_[i].vx, discs_[i].vy) - square(a.vx, a.vy)) / 2;
+    books_.lost_pairs += half_loss;
+    books_.virial += half_virial;
+    books_.numerical += gained + half_loss;
   }
 }
 
@@ -186,7 +204,7 @@ void Reference<Real>::move()
     d.x += d.vx * dt_;
     d.y += d.vy * dt_;
     wrap(d);
-    books_.numerical -= static_cast<long double>(kick) * kick / 2;
+    books_.numerical -= Wide{kick} * Wide{kick} / 2;
   }
 }
 
@@ -225,8 +243,7 @@ void Reference<Real>::bounce_off_walls()
     if (hit_side || hit_end) {
       books_.wall_hits += 1;
       books_.lost_walls += (square(before.vx, before.vy) - square(d.vx, d.vy)) / 2;
-      books_.numerical += static_cast<long double>(gravity_) *
-                          (static_cast<long double>(d.y) - static_cast<long double>(before.y));
+      books_.numerical += Wide{gravity_} * (Wide{d.y} - Wide{before.y});
     }
   }
 }
@@ -273,7 +290,7 @@ double farthest_outside(Model const& model, std::vector<DiscState> const& discs)
 
 long double kinetic_energy(std::vector<DiscState> const& discs)
 {
-  long double sum = 0;
+  Wide sum = 0;
   for (auto const& d : discs)
     sum += square(d.vx, d.vy) / 2;
   return sum;
@@ -281,15 +298,15 @@ long double kinetic_energy(std::vector<DiscState> const& discs)
 
 long double potential_energy(Model const& model, std::vector<DiscState> const& discs)
 {
-  long double sum = 0;
+  Wide sum = 0;
   for (auto const& d : discs)
-    sum += static_cast<long double>(d.y) + model.box.height / 2;
+    sum += Wide{d.y} + model.box.height / 2;
   return model.gravity * sum;
 }
 
 long double momentum_x(std::vector<DiscState> const& discs)
 {
-  long double sum = 0;
+  Wide sum = 0;
   for (auto const& d : discs)
     sum += d.vx;
   return sum;
@@ -297,7 +314,7 @@ long double momentum_x(std::vector<DiscState> const& discs)
 
 long double momentum_y(std::vector<DiscState> const& discs)
 {
-  long double sum = 0;
+  Wide sum = 0;
   for (auto const& d : discs)
     sum += d.vy;
   return sum;

@@ -16,10 +16,12 @@ struct Books {
   std::int64_t collisions = 0;
   std::int64_t separating_hits = 0;
   std::int64_t wall_hits = 0;
-  long double lost_pairs = 0;
+  long double lost_pairs = 0; ///< `simultaneous`: half the law's loss for each disc that responds
   long double lost_walls = 0;
   long double numerical = 0;
-  long double virial = 0; ///< sum over collisions of (change of momentum of j) . (x_j - x_i)
+  /// Sum over collisions of (change of momentum of j) . (x_j - x_i), averaged with the same for i
+  /// where the law does not conserve momentum.
+  long double virial = 0;
 };
 
 /// A run of `engine`, all arithmetic in `Real` (float or double).

@@ -65,24 +65,30 @@ std::ostream& operator<<(std::ostream& out, Way const& way)
   return out << name(way);
 }
 
-std::unique_ptr<Engine> start(Scene const& scene, Way const& way)
+Run start(Scene const& scene, Way const& way)
 {
-  return make_engine(scene.model, {way.engine, way.precision, scene.dt, way.placement},
-                     scene.discs);
+  return {
+      make_engine(scene.model, {way.engine, way.precision, scene.dt, way.placement}, scene.discs),
+      scene.discs.size()};
 }
 
-std::vector<DiscState> states(Engine& engine)
+std::vector<DiscState> states(Run const& run)
 {
-  std::vector<DiscState> result(static_cast<std::size_t>(engine.report().discs));
-  engine.states(result.data());
+  std::vector<DiscState> result(run.discs);
+  run->states(result.data());
   return result;
+}
+
+std::int64_t long_run(Way const& way, std::int64_t steps)
+{
+  return way.placement == Placement::serial ? steps : steps / 10;
 }
 
 std::vector<DiscState> states_after(Scene const& scene, Way const& way, std::int64_t steps)
 {
   auto const engine = start(scene, way);
   engine->advance(steps);
-  return states(*engine);
+  return states(engine);
 }
 
 Report report_after(Scene const& scene, Way const& way, std::int64_t steps)

@@ -31,16 +31,29 @@ std::string name(Way const& way);
 /// For failure messages.
 std::ostream& operator<<(std::ostream& out, Way const& way);
 
-std::unique_ptr<Engine> start(Scene const& scene, Way const& way);
+/// A simulation in progress.
+struct Run {
+  std::unique_ptr<Engine> engine;
+  std::size_t discs;
+
+  Engine* operator->() const { return engine.get(); }
+};
+
+Run start(Scene const& scene, Way const& way);
 
 /// The present states, in id order.
-std::vector<DiscState> states(Engine& engine);
+std::vector<DiscState> states(Run const& run);
 
 /// The states after `steps` steps.
 std::vector<DiscState> states_after(Scene const& scene, Way const& way, std::int64_t steps);
 
 /// The report after `steps` steps.
 Report report_after(Scene const& scene, Way const& way, std::int64_t steps);
+
+/// Length of a long run: `steps` on one thread, a tenth of it on the default backend. Bits are the
+/// same on both (regression/), so what takes long to show is shown once; many short kernels on
+/// several threads take minutes where the cores are shared with other work.
+std::int64_t long_run(Way const& way, std::int64_t steps);
 
 /// Unit round-off of a precision: the largest relative error of one rounded operation.
 double round_off(Precision precision);

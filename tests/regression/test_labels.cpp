@@ -1,0 +1,129 @@
+// Every kernel, allocation and region of a run carries a label that begins with `ricochet::`, so
+// that Kokkos Tools shows the physics. The test listens to a run as a tool does.
+#include "support/runs.hpp"
+
+#include <Kokkos_Core.hpp>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace ricochet::test {
+namespace {
+
+/// What the run told the tool, by kind.
+struct Heard {
+  std::set<std::string> kernels, allocations, regions;
+};
+Heard heard;
+
+void on_kernel(char const* label, std::uint32_t, std::uint64_t*)
+{
+  heard.kernels.insert(label);
+}
+
+void on_allocation(Kokkos::Tools::SpaceHandle, char const* label, void const*, std::uint64_t)
+{
+  heard.allocations.insert(label);
+}
+
+void on_region(char const* label)
+{
+  heard.regions.insert(label);
+}
+
+/// Listens while it lives.
+class Listening {
+ public:
+  Listening() : before_(Kokkos::Tools::Experimental::get_callbacks())
+  {
+    namespace tools = Kokkos::Tools::Experimental;
+    heard = {};
+    tools::set_begin_parallel_for_callback(on_kernel);
+    tools::set_begin_parallel_reduce_callback(on_kernel);
+    tools::set_begin_parallel_scan_callback(on_kernel);
+    tools::set_allocate_data_callback(on_allocation);
+    tools::set_push_region_callback(on_region);
+  }
+  ~Listening() { Kokkos::Tools::Experimental::set_callbacks(before_); }
+  Listening(Listening const&) = delete;
+  Listening& operator=(Listening const&) = delete;
+
+ private:
+  Kokkos::Tools::Experimental::EventSet before_;
+};
+
+bool begins_with(std::string const& text, std::string const& start)
+{
+  return text.compare(0, start.size(), start) == 0;
+}
+
+/// Ours, or what Kokkos itself launches to fill a View of ours ("... [ricochet::x]"), or a service
+/// of Kokkos that a user cannot label: a copy, or its own scratch, which is "[unlabeled]" in 3.4 (a
+/// View without a label is "").
+bool is_labelled(std::string const& label)
+{
+  if (label == "[unlabeled]")
+    return true;
+  if (begins_with(label, "ricochet::"))
+    return true;
+  auto const view = label.find('[');
+  if (begins_with(label, "Kokkos::") && view != std::string::npos)
+    return begins_with(label.substr(view + 1), "ricochet::");
+  return begins_with(label, "Kokkos::");
+}
+
+std::size_t count_ours(std::set<std::string> const& labels)
+{
+  std::size_t count = 0;
+  for (auto const& label : labels)
+    count += begins_with(label, "ricochet::") ? 1 : 0;
+  return count;
+}
+
+/// Every part of the interface once.
+void use(Scene const& scene, Way const& way)
+{
+  auto const engine = start(scene, way);
+  engine->advance(3);
+  engine->report();
+  states(engine);
+  engine->state_hash();
+}
+
+class Labels : public testing::TestWithParam<Way> {};
+
+TEST_P(Labels, NameThePhysicsOfARun)
+{
+  Listening const listening;
+  for (auto const boundary : {Boundary::walls, Boundary::periodic}) {
+    Scene scene;
+    scene.model = make_model(30, 30, boundary == Boundary::walls ? 9.81 : 0,
+                             {Law::restitution, 0.9, 0.9}, boundary, boundary);
+    scene.discs = random_discs(scene.model, 100, 10, Ids::shuffled, 1);
+    use(scene, GetParam());
+  }
+
+  for (auto const* labels : {&heard.kernels, &heard.allocations, &heard.regions}) {
+    EXPECT_GT(count_ours(*labels), 0u) << "a run with nothing to hear proves nothing";
+    for (auto const& label : *labels)
+      EXPECT_TRUE(is_labelled(label)) << "label \"" << label << "\"";
+  }
+}
+
+// The ear itself: what has no label of ours must be heard as such.
+TEST(Labels, AreMissedWhereTheyAreMissing)
+{
+  Listening const listening;
+  Kokkos::View<int*> const view("nameless", 3);
+  EXPECT_EQ(heard.allocations.count("nameless"), 1u);
+  EXPECT_FALSE(is_labelled("nameless"));
+  EXPECT_FALSE(is_labelled(""));
+  EXPECT_FALSE(is_labelled("Kokkos::View::initialization [nameless]"));
+  EXPECT_TRUE(is_labelled("Kokkos::View::initialization [ricochet::x]"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, Labels, testing::ValuesIn(all_ways()),
+                         [](auto const& way) { return name(way.param); });
+
+} // namespace
+} // namespace ricochet::test

@@ -1,0 +1,193 @@
+// The cell grid: how discs are stored, and that the search over it misses nobody.
+#include "ricochet/diagnostics.hpp"
+#include "ricochet/neighbours.hpp"
+#include "support/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace ricochet::test {
+namespace {
+
+using Space = Kokkos::DefaultExecutionSpace;
+
+Model box(double width, double height, Boundary x, Boundary y)
+{
+  return make_model(width, height, 0, {}, x, y);
+}
+
+template <class View>
+std::vector<typename View::non_const_value_type> on_host(View const& view)
+{
+  auto const mirror = Kokkos::create_mirror_view(view);
+  Kokkos::deep_copy(mirror, view);
+  std::vector<typename View::non_const_value_type> values;
+  for (std::size_t k = 0; k < mirror.extent(0); ++k)
+    values.push_back(mirror(k));
+  return values;
+}
+
+/// Discs on the device, sorted by a grid of their own.
+template <class Real>
+struct Sorted {
+  Sorted(Model const& model, std::vector<DiscState> const& states)
+    : grid(model, static_cast<int>(states.size())),
+      discs(discs_from<Space, Real>(Space(), states.data(), static_cast<int>(states.size())))
+  {
+    sort();
+  }
+
+  void sort()
+  {
+    grid.sort(Space(), discs);
+    Space().fence();
+  }
+
+  CellGrid<Space, Real> grid;
+  Discs<Space, Real> discs;
+};
+
+/// How often the search from each disc (row, by id) finds each disc (column, by id).
+template <class Real, bool periodic>
+std::vector<int> found(Model const& model, Sorted<Real> const& sorted, Real reach)
+{
+  auto const discs = sorted.discs;
+  int const n = discs.count();
+  Neighbours<Space, Real, periodic> const neighbours(discs, sorted.grid.cells(), model.box, reach);
+  Kokkos::View<int*, Space::memory_space> const times("ricochet::times_found", n * n);
+  Kokkos::parallel_for(
+      "ricochet::find_all", Kokkos::RangePolicy<Space>(0, n), KOKKOS_LAMBDA(int i) {
+        neighbours.for_each(discs.position(i),
+                            [&](int k, Vec2<Real>) { ++times(discs.id(i) * n + discs.id(k)); });
+      });
+  Space().fence();
+  return on_host(times);
+}
+
+template <class Real, bool periodic>
+std::vector<int> within_reach(Model const& model, std::vector<DiscState> const& states, Real reach)
+{
+  Domain<Real, periodic> const domain(model.box);
+  std::vector<int> result;
+  auto const position = [&](DiscState const& d) { return as<Real>(Vec2<double>{d.x, d.y}); };
+  for (auto const& a : states)
+    for (auto const& b : states) {
+      auto const d = domain.separation(position(a), position(b));
+      result.push_back(dot(d, d) < reach * reach ? 1 : 0);
+    }
+  return result;
+}
+
+template <class Real, bool periodic>
+void expect_nobody_missed(Model const& model, std::vector<DiscState> const& states)
+{
+  Sorted<Real> const sorted(model, states);
+  for (Real const reach : {Real(2), Real(0.5), Real(3.7)})
+    EXPECT_EQ((found<Real, periodic>(model, sorted, reach)),
+              (within_reach<Real, periodic>(model, states, reach)))
+        << "reach " << reach << " in a box of " << model.box.width << " x " << model.box.height;
+}
+
+template <class Real>
+class CellGridOf : public testing::Test {
+};
+using Reals = testing::Types<double, float>;
+TYPED_TEST_SUITE(CellGridOf, Reals);
+
+constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
+
+// From one cell to many, with walls and across periodic edges; also discs far outside the box,
+// where a fast disc may be, and where all of them are in the outermost cells.
+TYPED_TEST(CellGridOf, TheSearchFindsEveryDiscWithinReachOnce)
+{
+  std::uint64_t seed = 1;
+  for (double const width : {2.0, 3.9, 4.1, 6.5, 31.0})
+    for (double const height : {2.0, 5.9, 8.2, 23.0}) {
+      auto const inside = box(width, height, walls, walls);
+      auto const states = random_discs(inside, 150, 1, Ids::shuffled, seed++);
+      expect_nobody_missed<TypeParam, false>(inside, states);
+      expect_nobody_missed<TypeParam, true>(box(width, height, periodic, periodic), states);
+      expect_nobody_missed<TypeParam, true>(box(width, height, walls, periodic), states);
+      expect_nobody_missed<TypeParam, true>(box(width, height, periodic, walls), states);
+
+      auto outside = states;
+      for (auto& d : outside)
+        d.x *= 5;
+      expect_nobody_missed<TypeParam, false>(inside, outside);
+    }
+}
+
+template <class Real>
+void expect_cell_order(Sorted<Real> const& sorted)
+{
+  auto const start = on_host(sorted.grid.cells().start);
+  auto const id = on_host(sorted.discs.id);
+  auto const slot_of_id = on_host(sorted.grid.slot_of_id());
+  auto const x = on_host(sorted.discs.x), y = on_host(sorted.discs.y);
+  auto const cells = sorted.grid.cells();
+  ASSERT_EQ(start.front(), 0);
+  ASSERT_EQ(start.back(), static_cast<int>(id.size()));
+  for (int cell = 0; cell < cells.count(); ++cell)
+    for (int slot = start[static_cast<std::size_t>(cell)];
+         slot < start[static_cast<std::size_t>(cell) + 1]; ++slot) {
+      auto const s = static_cast<std::size_t>(slot);
+      EXPECT_EQ(cells.at(Vec2<Real>{x[s], y[s]}), cell);
+      EXPECT_EQ(slot_of_id[static_cast<std::size_t>(id[s])], slot);
+      if (slot > start[static_cast<std::size_t>(cell)]) {
+        EXPECT_LT(id[s - 1], id[s]) << "ids rise inside a cell";
+      }
+    }
+}
+
+TYPED_TEST(CellGridOf, DiscsAreStoredByCellAndInsideACellById)
+{
+  auto const model = box(31, 23, walls, walls);
+  expect_cell_order(Sorted<TypeParam>(model, random_discs(model, 300, 1, Ids::shuffled, 3)));
+
+  // A crowd in one place, more than an insertion sort is used for.
+  auto crowd = random_discs(model, 300, 1, Ids::shuffled, 4);
+  for (std::size_t k = 0; k < 200; ++k)
+    crowd[k].x = crowd[k].y = 1e-3 * static_cast<double>(k % 7);
+  expect_cell_order(Sorted<TypeParam>(model, crowd));
+  expect_cell_order(Sorted<TypeParam>(model, {}));
+}
+
+TYPED_TEST(CellGridOf, TheOrderOfStorageDependsOnTheStateAlone)
+{
+  auto const model = box(31, 23, walls, walls);
+  auto const states = random_discs(model, 500, 1, Ids::shuffled, 5);
+  Sorted<TypeParam> sorted(model, states);
+  auto const first = on_host(sorted.discs.id);
+  for (int again = 0; again < 5; ++again) {
+    sorted.sort();
+    EXPECT_EQ(on_host(sorted.discs.id), first);
+  }
+}
+
+TYPED_TEST(CellGridOf, SortingMovesWholeDiscs)
+{
+  auto const model = box(31, 23, walls, walls);
+  auto const states = random_discs(model, 500, 7, Ids::shuffled, 6);
+  Sorted<TypeParam> const sorted(model, states);
+  std::vector<DiscState> back(states.size());
+  copy_states(Space(), sorted.discs, back.data());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    EXPECT_EQ(back[k].x, static_cast<double>(static_cast<TypeParam>(states[k].x)));
+    EXPECT_EQ(back[k].y, static_cast<double>(static_cast<TypeParam>(states[k].y)));
+    EXPECT_EQ(back[k].vx, static_cast<double>(static_cast<TypeParam>(states[k].vx)));
+    EXPECT_EQ(back[k].vy, static_cast<double>(static_cast<TypeParam>(states[k].vy)));
+  }
+}
+
+// A grid costs memory: never more than a few cells for each disc, whatever the shape of the box.
+TEST(CellGrid, HasNoMoreCellsThanItsDiscsNeed)
+{
+  for (int const count : {0, 1, 10, 1000})
+    for (auto const& model : {box(2e6, 2, walls, walls), box(2, 2e6, walls, walls),
+                              box(1e9, 1e9, walls, walls), box(2, 2, walls, walls)})
+      EXPECT_LE((CellGrid<Space, double>(model, count).cells().count()), 4 * count + 4);
+}
+
+} // namespace
+} // namespace ricochet::test
