@@ -23,19 +23,17 @@ struct CellAxis {
   int count = 1;
   bool periodic = false;
 
-  /// Cell of a coordinate. No number is cast that does not fit, whatever it is.
+  /// Cell of a coordinate.
   KOKKOS_INLINE_FUNCTION int at(double position) const
   {
-    double const u = (position - low) * per_length;
-    if (!(u > 0))
-      return 0;
-    return u < count ? static_cast<int>(u) : count - 1;
+    return clamped((position - low) * per_length);
   }
 
   /// Cells with a point closer than `reach`, this side of the ends.
   KOKKOS_INLINE_FUNCTION Span near(double position, double reach) const
   {
-    return {at(position - reach), at(position + reach)};
+    double const u = (position - low) * per_length, width = reach * per_length;
+    return {clamped(u - width), clamped(u + width)};
   }
 
   /// Those beyond the low end of a periodic axis, which are at its high end. None is in `near` too.
@@ -54,6 +52,15 @@ struct CellAxis {
       return {0, -1};
     int const last = at(position + reach - length);
     return {0, last < near.first ? last : near.first - 1};
+  }
+
+ private:
+  /// No number is cast that does not fit, whatever it is.
+  KOKKOS_INLINE_FUNCTION int clamped(double u) const
+  {
+    double const last = count - 1;
+    double const from_0 = u > 0 ? u : 0;
+    return static_cast<int>(from_0 < last ? from_0 : last);
   }
 };
 

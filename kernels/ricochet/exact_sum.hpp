@@ -9,69 +9,62 @@
 
 namespace ricochet {
 
-/// A sum of real numbers in 128-bit fixed point.
+/// A sum of real numbers in fixed point of 115 bits.
 ///
 /// Each term is cut to a whole number of quanta (1/scale, a power of two) and added as an integer,
 /// so any order, grouping or number of threads gives the same bits. With the scale of power_scale()
-/// a term is cut at 2^-90 of the reference size and the sum may grow to 2^37 times it; a sum that
-/// leaves that range, or meets a term that is not finite, becomes NaN.
+/// a term is cut at 2^-80 of the reference size and the sum may grow to 2^34 times it; a term that
+/// leaves that range, or is not finite, makes the sum NaN.
 struct ExactSum {
-  std::int64_t high = 0;
-  std::uint64_t low = 0;
+  std::int64_t high = 0;         ///< in units of 2^52 quanta
+  std::int64_t low = 0;          ///< quanta, 0 ... 2^52 - 1
   std::int64_t out_of_range = 0; ///< number of terms that could not be represented
 
   /// Adds `value`; every term of a sum must come with the same `scale`.
   KOKKOS_INLINE_FUNCTION void add(double value, double scale)
   {
-    constexpr double two64 = 18446744073709551616.0, two126 = two64 * 4611686018427387904.0;
     double const quanta = value * scale;
-    double const size = quanta < 0 ? -quanta : quanta;
-    if (!(size < two126)) {
+    constexpr double most = unit * unit * 1024; // 2^114
+    if (!(quanta < most && quanta > -most)) {
       ++out_of_range;
       return;
     }
-    ExactSum term;
-    auto const whole = static_cast<std::uint64_t>(size * (1 / two64));
-    term.high = static_cast<std::int64_t>(whole);
-    term.low = static_cast<std::uint64_t>(size - static_cast<double>(whole) * two64);
-    if (quanta < 0)
-      term.negate();
-    merge(term);
+    // Both digits of a number of 53 bits are exact, and have its sign.
+    auto const digit = static_cast<std::int64_t>(quanta * (1 / unit));
+    high += digit;
+    low += static_cast<std::int64_t>(quanta - static_cast<double>(digit) * unit);
+    carry();
   }
 
   KOKKOS_INLINE_FUNCTION void merge(ExactSum const& other)
   {
+    high += other.high;
     low += other.low;
-    std::uint64_t const carry = low < other.low ? 1 : 0;
-    // Unsigned, where a carry into the sign is defined.
-    high = static_cast<std::int64_t>(static_cast<std::uint64_t>(high) +
-                                     static_cast<std::uint64_t>(other.high) + carry);
     out_of_range += other.out_of_range;
+    carry();
   }
 
-  /// The sum, rounded once.
+  /// The sum, rounded to double.
   double value(double scale) const
   {
     if (out_of_range > 0)
       return std::numeric_limits<double>::quiet_NaN();
-    ExactSum size = *this;
-    if (high < 0)
-      size.negate();
-    double const result =
-        std::ldexp(static_cast<double>(size.high), 64) + static_cast<double>(size.low);
-    return (high < 0 ? -result : result) / scale;
+    return (static_cast<double>(high) * unit + static_cast<double>(low)) / scale;
   }
 
  private:
-  KOKKOS_INLINE_FUNCTION void negate()
+  static constexpr int bits = 52;
+  static constexpr double unit = 4503599627370496.0; ///< 2^52
+
+  KOKKOS_INLINE_FUNCTION void carry()
   {
-    low = ~low + 1;
-    high = static_cast<std::int64_t>(~static_cast<std::uint64_t>(high) + (low == 0 ? 1 : 0));
+    high += low >> bits;
+    low &= (std::int64_t{1} << bits) - 1;
   }
 };
 
 /// The scale for sums whose terms are at most about `reference` in size: the power of two that
-/// makes the quantum 2^-90 of it.
+/// makes the quantum 2^-80 of it.
 inline double power_scale(double reference)
 {
   int exponent = 0;
@@ -80,7 +73,7 @@ inline double power_scale(double reference)
   // Keeps the scale itself a normal number for any reference.
   constexpr int widest = 900;
   exponent = exponent > widest ? widest : (exponent < -widest ? -widest : exponent);
-  return std::ldexp(1.0, 90 - exponent);
+  return std::ldexp(1.0, 80 - exponent);
 }
 
 } // namespace ricochet

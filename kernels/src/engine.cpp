@@ -14,7 +14,7 @@ namespace {
 /// A step of fewer discs than this is over before a second thread has joined in (measured:
 /// launching the kernels of a step on two threads costs as much as about 600 discs on an idle
 /// machine, several times that on a busy one).
-constexpr std::size_t worth_two_threads = 2000;
+constexpr std::size_t worth_two_threads = 10000;
 
 bool prefers_one_thread(Placement placement, std::size_t discs)
 {
