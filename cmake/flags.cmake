@@ -18,8 +18,9 @@ function(ricochet_reproducible_arithmetic target)
     target_compile_options(${target} PRIVATE
       $<$<COMPILE_LANGUAGE:CXX>:-Werror=cross-execution-space-call>)
   endif()
-  if(NOT "OPENMP" IN_LIST Kokkos_DEVICES AND NOT by_nvcc)
-    # `#pragma omp simd` without the OpenMP backend; otherwise it is ignored, with a warning.
+  if(NOT "OPENMP" IN_LIST Kokkos_DEVICES AND NOT "HIP" IN_LIST Kokkos_DEVICES AND NOT by_nvcc)
+    # `#pragma omp simd` without the OpenMP backend; otherwise it is ignored, with a warning. (hipcc
+    # would take the option for device code as well, which then does not link.)
     target_compile_options(${target} PUBLIC
       $<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-fopenmp-simd>)
   endif()

@@ -49,7 +49,8 @@ char const* missing_cpu_feature()
   return look();
 }
 
-#if defined(__linux__) && defined(__GLIBC__)
+// hipcc reads every file twice, once for the device.
+#if defined(__linux__) && defined(__GLIBC__) && !defined(__HIP_DEVICE_COMPILE__)
 
 namespace {
 
