@@ -43,14 +43,15 @@ std::string read_stored(hid_t type, Read const& read)
     char* text = nullptr;
     check(H5Tset_size(memory, H5T_VARIABLE));
     check(read(memory, &text));
-    std::string const copy = text ? text : "";
+    std::string copy = text ? text : "";
     H5free_memory(text);
     return copy;
   }
   std::string text(H5Tget_size(type) + 1, '\0');
   check(H5Tset_size(memory, text.size()));
   check(read(memory, text.data()));
-  return text.c_str();
+  text.resize(text.find('\0')); // the memory ends with one, whatever the file has
+  return text;
 }
 
 } // namespace

@@ -54,7 +54,8 @@ class Handle {
     if (id_ >= 0)
       close(id_);
   }
-  operator hid_t() const { return id_; }
+  // The C functions take handles as they are.
+  operator hid_t() const { return id_; } // NOLINT(google-explicit-constructor)
 
   /// Gives up the handle without closing it.
   void abandon() { id_ = -1; }

@@ -120,7 +120,7 @@ void Progress::clear()
 std::string clock_text(double seconds)
 {
   constexpr double longest = 1e9;
-  auto const whole = static_cast<std::int64_t>(std::clamp(seconds, 0.0, longest) + 0.5);
+  auto const whole = std::llround(std::clamp(seconds, 0.0, longest));
   return fmt::format("{:02}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 

@@ -28,8 +28,9 @@ int field_of(std::string const& quantity)
 
 } // namespace
 
-StatesParser::StatesParser(std::string name, std::optional<Model> model, ProblemList& problems)
-  : name_(std::move(name)), model_(std::move(model)), problems_(problems)
+StatesParser::StatesParser(std::string name, std::optional<Model> const& model,
+                           ProblemList& problems)
+  : name_(std::move(name)), model_(model), problems_(problems)
 {
 }
 
@@ -184,7 +185,7 @@ std::vector<DiscState> read_states(std::string const& path, std::optional<Model>
     total += got;
     if (got < buffer.size())
       break;
-    if (total == got && parser.discs().size() > 0) {
+    if (total == got && !parser.discs().empty()) {
       // Growing by doubling would need three times the memory: guess from the first piece.
       double const bytes_per_disc =
           static_cast<double>(got) / static_cast<double>(parser.discs().size());

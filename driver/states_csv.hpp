@@ -18,7 +18,7 @@ class StatesParser {
  public:
   /// What is wrong with the file called `name` goes to `problems`; with a `model`, discs that
   /// cannot be simulated in it are wrong too.
-  StatesParser(std::string name, std::optional<Model> model, ProblemList& problems);
+  StatesParser(std::string name, std::optional<Model> const& model, ProblemList& problems);
 
   /// Takes the next piece; pieces may end anywhere.
   void feed(std::string_view piece);

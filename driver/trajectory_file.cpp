@@ -24,7 +24,7 @@ constexpr char const* time_path = "/particles/trajectory/position/time";
 constexpr char const* step_path = "/particles/trajectory/position/step";
 
 constexpr hsize_t most_discs_per_chunk = 131072; // 3 MiB of doubles
-constexpr hsize_t block_bytes = 512 * 1024;      // of one field, for few discs
+constexpr hsize_t block_bytes = 1 << 19;         // of one field, for few discs
 constexpr hsize_t series_chunk = 1024;           // numbers, for what has few a frame
 
 // Discs in a chunk: all, or an even share of them.
@@ -150,7 +150,7 @@ void TrajectoryFile::guarded(Work const& work)
 // not be afterwards. So room is made sure of before anything is changed.
 void TrajectoryFile::reserve(std::uint64_t bytes)
 {
-  constexpr std::uint64_t metadata = 512 * 1024; // chunks of the observables included
+  constexpr std::uint64_t metadata = 1 << 19; // chunks of the observables included
   hsize_t size = 0;
   hdf5::check(H5Fget_filesize(file_, &size));
   space_.reserve(size + bytes + metadata);

@@ -16,7 +16,7 @@ namespace {
 // The group of the particles: ours, else the only one.
 std::string particle_group(hid_t file)
 {
-  std::string const ours = "/particles/trajectory";
+  std::string ours = "/particles/trajectory";
   if (hdf5::exists(file, ours))
     return ours;
   if (!hdf5::exists(file, "/particles"))
