@@ -34,7 +34,7 @@ Folder::~Folder()
 
 std::string Folder::write(std::string const& name, std::string const& text) const
 {
-  std::string const path = *this / name;
+  std::string path = *this / name;
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }

@@ -54,7 +54,7 @@ Outcome ricochet(std::vector<std::string> const& arguments, ProcessOptions const
 /// A running program.
 class Process {
  public:
-  Process(std::vector<std::string> const& arguments, ProcessOptions const& options = {});
+  explicit Process(std::vector<std::string> const& arguments, ProcessOptions const& options = {});
   ~Process(); ///< kills it
   Process(Process const&) = delete;
   Process& operator=(Process const&) = delete;

@@ -36,7 +36,7 @@ std::string trajectory(Folder const& folder, std::string const& name, int frames
   std::vector<std::unique_ptr<Frame>> all;
   for (int index = 0; index < frames; ++index) {
     all.push_back(std::make_unique<Frame>());
-    all.back()->report.steps = 10 * index;
+    all.back()->report.steps = std::int64_t{10} * index;
     for (int disc = 0; disc < 3; ++disc)
       all.back()->states.push_back({1.0 * disc, 2.0 * index, 3, 4});
   }

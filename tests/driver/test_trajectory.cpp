@@ -41,7 +41,8 @@ TrajectoryHeader header_for(std::string const& path, Shape const& shape)
 // A number that is exact in single precision and differs for every place.
 double number(std::int64_t frame, std::int64_t disc, int field)
 {
-  return static_cast<double>((frame * 7919 + disc * 31 + field * 3) % 100003) - 50000.5;
+  return static_cast<double>((frame * 7919 + disc * 31 + std::int64_t{field} * 3) % 100003) -
+         50000.5;
 }
 
 void fill(Frame& frame, std::int64_t index)
