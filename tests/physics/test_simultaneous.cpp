@@ -75,19 +75,25 @@ TEST_P(Simultaneous, CountsAPairOnce)
   EXPECT_EQ(report.separating_hits, 0);
 }
 
-// A crowd in a box, elastic: no energy is lost anywhere, yet there is more and more of it, and the
-// ledger says that the method made it.
+// Elastic crowds on a torus: no energy is lost anywhere, yet there is more of it, about twice as
+// much after 100 steps (it is a multiplicative random walk upwards, so four crowds are averaged),
+// and the ledger says that the method made it.
 TEST_P(Simultaneous, GainsEnergyAndBooksItAsNumerical)
 {
-  Scene scene;
-  scene.model = make_model(50, 50, 0, {Law::swap_scale, 1, 1});
-  scene.discs = random_discs(scene.model, 400, 20, Ids::shuffled, 9);
-  auto const energy = report_after(scene, GetParam(), 100).energy;
-  EXPECT_GT(energy.kinetic, 2 * energy.kinetic_initial);
-  double const rounding = 64 * round_off(GetParam().precision) * energy.kinetic * 100;
-  EXPECT_NEAR(energy.lost_pairs, 0, rounding);
-  EXPECT_EQ(energy.lost_walls, 0);
-  EXPECT_NEAR(energy.numerical, energy.kinetic - energy.kinetic_initial, rounding);
+  double gain = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    auto scene = weightless({});
+    scene.model.box = {40, 40, Boundary::periodic, Boundary::periodic};
+    scene.dt = 1.0 / 45;
+    scene.discs = random_discs(scene.model, 400, 20, Ids::shuffled, seed);
+    auto const energy = report_after(scene, GetParam(), 100).energy;
+    gain += energy.kinetic / energy.kinetic_initial / 4;
+    double const rounding = 64 * round_off(GetParam().precision) * energy.kinetic * 100;
+    EXPECT_NEAR(energy.lost_pairs, 0, rounding);
+    EXPECT_EQ(energy.lost_walls, 0);
+    EXPECT_NEAR(energy.numerical, energy.kinetic - energy.kinetic_initial, rounding);
+  }
+  EXPECT_GT(gain, 1.5);
 }
 
 TEST_P(Simultaneous, WarnsThatItGainsEnergy)
