@@ -193,8 +193,8 @@ class CellGrid {
       slot_of_id_(uninitialised<Ints>("ricochet::slot_of_id", count))
   {
     Box const& box = model.box;
-    // Fewer, larger cells where discs are sparse: 0.6 discs a cell was the fastest.
-    double const sparse = std::sqrt(0.6 * box.width / std::max(count, 1) * box.height);
+    // Larger cells where discs are sparse, or there would be many empty ones to go through.
+    double const sparse = std::sqrt(0.3 * box.width / std::max(count, 1) * box.height);
     double const side = std::max(2 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);

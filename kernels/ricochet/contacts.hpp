@@ -7,15 +7,15 @@
 
 namespace ricochet {
 
-/// What a disc's overlaps at the start of a step ask of the engines.
+/// What kinds of partners a disc overlaps, as bits.
 namespace contact {
-constexpr unsigned char none = 0;
-constexpr unsigned char with_lower_ids = 1; ///< only with discs of lower id
-constexpr unsigned char with_higher_id = 2; ///< with at least one disc of higher id
+constexpr int none = 0;
+constexpr int with_lower_id = 1;
+constexpr int with_higher_id = 2;
 } // namespace contact
 
 template <class Space>
-using ContactFlags = Kokkos::View<unsigned char*, typename Space::memory_space>;
+using ContactFlags = Kokkos::View<int*, typename Space::memory_space>;
 
 /// Distance beyond the walls [length]; negative inside. A periodic axis has no walls.
 struct Outside {
@@ -46,7 +46,7 @@ struct FindContacts {
   Neighbours<Space, Real, periodic> neighbours; ///< closer than a diameter
   Outside outside;
   Real diameter;
-  ContactFlags<Space> contacts; ///< by id
+  ContactFlags<Space> contacts; ///< by id, all none before
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
   {
@@ -54,17 +54,14 @@ struct FindContacts {
     int const id = discs.id(i);
     Real const reach = diameter * diameter;
     Real nearest = reach;
-    bool higher = false;
-    neighbours.for_each(p, [&](int k, Vec2<Real> d) {
-      if (k == i)
-        return;
-      higher = higher || discs.id(k) > id;
+    // Each pair is met once, from the slot that comes first.
+    neighbours.for_each_from(p, i + 1, [&](int k, Vec2<Real> d) {
+      bool const k_is_higher = discs.id(k) > id;
+      flag(k_is_higher ? id : discs.id(k), contact::with_higher_id);
+      flag(k_is_higher ? discs.id(k) : id, contact::with_lower_id);
       Real const distance2 = dot(d, d);
       nearest = distance2 < nearest ? distance2 : nearest;
     });
-    contacts(id) = higher            ? contact::with_higher_id
-                   : nearest < reach ? contact::with_lower_ids
-                                     : contact::none;
     double const size = static_cast<double>(diameter);
     if (nearest < reach) {
       double const overlap = (size - sqrt(static_cast<double>(nearest))) / size;
@@ -72,6 +69,12 @@ struct FindContacts {
     }
     double const beyond = outside(p) / size;
     books.max_outside = beyond > books.max_outside ? beyond : books.max_outside;
+  }
+
+  /// Bits that are set in any order are the same in the end.
+  KOKKOS_INLINE_FUNCTION void flag(int id, int kind) const
+  {
+    Kokkos::atomic_fetch_or(&contacts(id), kind);
   }
 };
 

@@ -138,6 +138,7 @@ void FixedStep<Space, Real, PairStep>::find_contacts()
     return;
   ProfilingRegion const region("ricochet::find_contacts");
   grid_.sort(space_, discs_);
+  Kokkos::deep_copy(space_, contacts_, contact::none);
   with_boundaries([&](auto periodic) {
     Kokkos::parallel_reduce(
         "ricochet::find_contacts", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),

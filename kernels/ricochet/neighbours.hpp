@@ -22,12 +22,22 @@ class Neighbours {
                   (box.width > box.height ? box.width : box.height);
   }
 
-  /// Calls visit(slot, separation) for every disc stored in a cell near `p` whose centre is now
-  /// closer to `p` than the reach; a disc at `p` is one of them.
+  /// Calls visit(slot, separation) for every disc stored in a cell near `p` whose centre is closer
+  /// to `p` than the reach; a disc at `p` is one of them.
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void for_each(Vec2<Real> p, Visit const& visit) const
   {
-    for_blocks_near(p, [&](int first, int last) { for_each_in_block(p, first, last, visit); });
+    for_each_from(p, 0, visit);
+  }
+
+  /// for_each() among the slots from `from` on.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_from(Vec2<Real> p, int from, Visit const& visit) const
+  {
+    for_blocks_near(p, [&](int first, int last) {
+      int const begin = cells_.start(first);
+      for_each_slot(p, begin < from ? from : begin, cells_.start(last + 1), visit);
+    });
   }
 
   /// Calls visit(first, last) for blocks of cells that hold all discs that can be within reach.
@@ -37,16 +47,15 @@ class Neighbours {
     cells_.template for_blocks_near<periodic>(p, search_, visit);
   }
 
-  /// for_each() among the discs stored in cells first...last.
+ private:
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_in_block(Vec2<Real> p, int first, int last,
-                                                Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_each_slot(Vec2<Real> p, int begin, int end,
+                                            Visit const& visit) const
   {
     // Four tests without a branch between them, then one branch: hits are rare, and it is
     // mispredicted branches that cost. The arrays are padded, so that four can always be read.
     constexpr int width = Discs<Space, Real>::padding;
-    int const end = cells_.start(last + 1);
-    for (int k = cells_.start(first); k < end; k += width) {
+    for (int k = begin; k < end; k += width) {
       Real distance2[width];
       for (int lane = 0; lane < width; ++lane) {
         auto const d = domain_.separation(p, discs_.position(k + lane));
@@ -62,16 +71,6 @@ class Neighbours {
     }
   }
 
-  /// visit(slot, separation) if disc `k` is within reach of `p`.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void test(Vec2<Real> p, int k, Visit const& visit) const
-  {
-    auto const d = domain_.separation(p, discs_.position(k));
-    if (dot(d, d) < reach2_)
-      visit(k, d);
-  }
-
- private:
   Discs<Space, Real> discs_;
   Cells<Space> cells_;
   Domain<Real, periodic> domain_;

@@ -15,64 +15,54 @@
 
 namespace ricochet {
 
-/// Finds discs by where they are now, while some of them are being pushed about.
-///
-/// The cells keep the discs they held at the last sort; a disc pushed into another cell is a stray
-/// and is listed there as well. Who meets a disc twice meets the same disc.
+/// The discs of each cell as doubly linked lists, which follow discs that are pushed about.
 template <class Space>
-struct Strays {
+struct CellLists {
   using Ints = Kokkos::View<int*, typename Space::memory_space>;
 
-  Ints first_in_cell; ///< first stray of each cell, or none
-  Ints next;          ///< next stray of the same cell, by slot
-  Ints cell;          ///< cell in which a disc is listed as a stray, or none, by slot
+  Ints first;          ///< first disc of each cell, or none, by slot
+  Ints next, previous; ///< in the list of its cell, or none, by slot
+  Ints cell;           ///< cell of each disc, by slot
   static constexpr int none = -1;
 
-  Strays() = default;
-  Strays(int cells, int discs)
-    : first_in_cell("ricochet::first_stray_in_cell", cells),
-      next(uninitialised<Ints>("ricochet::next_stray", discs)),
-      cell("ricochet::stray_cell", discs)
+  CellLists(int cells, int discs)
+    : first(uninitialised<Ints>("ricochet::first_in_cell", cells)),
+      next(uninitialised<Ints>("ricochet::next_in_cell", discs)),
+      previous(uninitialised<Ints>("ricochet::previous_in_cell", discs)),
+      cell(uninitialised<Ints>("ricochet::listed_cell", discs))
   {
-    Kokkos::deep_copy(first_in_cell, none);
-    Kokkos::deep_copy(cell, none);
   }
 
-  /// Notes that disc `slot` is now in cell `c`.
-  KOKKOS_INLINE_FUNCTION void moved(Cells<Space> const& cells, int slot, int c) const
+  /// Lists the discs of cell `c` as they are stored.
+  KOKKOS_INLINE_FUNCTION void fill(Cells<Space> const& cells, int c) const
   {
-    if (cell(slot) == c)
-      return;
-    forget(slot);
-    bool const at_home = slot >= cells.start(c) && slot < cells.start(c + 1);
-    if (!at_home) {
-      next(slot) = first_in_cell(c);
-      first_in_cell(c) = slot;
+    int const begin = cells.start(c), end = cells.start(c + 1);
+    first(c) = begin < end ? begin : none;
+    for (int slot = begin; slot < end; ++slot) {
+      previous(slot) = slot > begin ? slot - 1 : none;
+      next(slot) = slot + 1 < end ? slot + 1 : none;
       cell(slot) = c;
     }
   }
 
-  /// Takes disc `slot` off the list it is on, if any.
-  KOKKOS_INLINE_FUNCTION void forget(int slot) const
+  /// Notes that disc `slot` is now in cell `c`.
+  KOKKOS_INLINE_FUNCTION void move(int slot, int c) const
   {
-    if (cell(slot) == none)
+    if (cell(slot) == c)
       return;
-    int* link = &first_in_cell(cell(slot));
-    while (*link != slot)
-      link = &next(*link);
-    *link = next(slot);
-    cell(slot) = none;
-  }
+    if (previous(slot) != none)
+      next(previous(slot)) = next(slot);
+    else
+      first(cell(slot)) = next(slot);
+    if (next(slot) != none)
+      previous(next(slot)) = previous(slot);
 
-  /// Takes all `discs` discs off their lists.
-  KOKKOS_INLINE_FUNCTION void clear(int discs) const
-  {
-    for (int slot = 0; slot < discs; ++slot) {
-      if (cell(slot) == none)
-        continue;
-      first_in_cell(cell(slot)) = none;
-      cell(slot) = none;
-    }
+    if (first(c) != none)
+      previous(first(c)) = slot;
+    next(slot) = first(c);
+    previous(slot) = none;
+    first(c) = slot;
+    cell(slot) = c;
   }
 };
 
@@ -80,7 +70,7 @@ struct Strays {
 template <class Space, class Real, class LawType, bool periodic>
 struct ResolveInOrder {
   PairState<Space, Real, periodic> state; ///< rows still to come are marked in its contacts
-  Strays<Space> strays;
+  CellLists<Space> lists;
   LawType law;
 
   KOKKOS_INLINE_FUNCTION void operator()(int) const
@@ -89,14 +79,13 @@ struct ResolveInOrder {
     int const n = state.discs.count();
     int flagged = 0;
     for (int id = 0; id < n; ++id)
-      flagged += state.contacts(id) == contact::with_higher_id ? 1 : 0;
+      flagged += has_higher_partner(id) ? 1 : 0;
     // Where most rows have partners anyway, looking at all of them is cheaper than finding out
     // after each push which are to be looked at.
     bool const every_row = flagged > n / 4;
     for (int id = 0; id < n; ++id)
-      if (every_row || state.contacts(id) == contact::with_higher_id)
+      if (every_row || has_higher_partner(id))
         resolve_row(id, !every_row, books);
-    strays.clear(n);
     state.books().merge(books);
   }
 
@@ -112,7 +101,7 @@ struct ResolveInOrder {
       int at = size;
       while (at > 0 && id[at - 1] > new_id)
         --at;
-      if (at == capacity || (at > 0 && id[at - 1] == new_id))
+      if (at == capacity)
         return;
       size = size < capacity ? size + 1 : capacity;
       for (int k = size - 1; k > at; --k) {
@@ -124,16 +113,18 @@ struct ResolveInOrder {
     }
   };
 
+  KOKKOS_INLINE_FUNCTION bool has_higher_partner(int id) const
+  {
+    return (state.contacts(id) & contact::with_higher_id) != 0;
+  }
+
   KOKKOS_INLINE_FUNCTION void resolve_row(int id, bool mark, Books& books) const
   {
     int const i = state.slot_of_id(id);
     int done = id;
     for (bool more = true; more;) {
       Batch batch;
-      for_overlapping(i, [&](int k) {
-        if (state.discs.id(k) > done)
-          batch.insert(state.discs.id(k), k);
-      });
+      for_overlapping(i, done, [&](int k_id, int k) { batch.insert(k_id, k); });
       for (int k = 0; k < batch.size; ++k) {
         collide(i, batch.slot[k], books);
         if (mark)
@@ -159,7 +150,7 @@ struct ResolveInOrder {
     auto const from = state.discs.position(j);
     auto const to = from + (state.diameter - distance) * normal;
     state.discs.set_position(j, state.domain.wrapped(to));
-    strays.moved(state.cells, j, state.cells.at(state.discs.position(j)));
+    lists.move(j, state.cells.at(state.discs.position(j)));
 
     ++books.collisions;
     if (dot(before.second - before.first, normal) >= 0)
@@ -173,27 +164,34 @@ struct ResolveInOrder {
   KOKKOS_INLINE_FUNCTION void mark_new_contacts(int row, int j) const
   {
     int const id = state.discs.id(j);
-    for_overlapping(j, [&](int k) {
-      int const lower = state.discs.id(k) < id ? state.discs.id(k) : id;
-      if (lower > row)
-        state.contacts(lower) = contact::with_higher_id;
+    for_overlapping(j, row, [&](int k_id, int) {
+      state.contacts(k_id < id ? k_id : id) |= contact::with_higher_id;
     });
   }
 
-  /// Calls visit(k) for every disc that overlaps disc `i` now; for a stray perhaps twice.
+  /// Calls visit(id, slot) for every other disc with an id above `above` that overlaps disc `i`
+  /// now.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_overlapping(int i, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_overlapping(int i, int above, Visit const& visit) const
   {
+    // Plain local variables: what is written to the discs in between cannot change them.
+    auto const domain = state.domain;
+    Real const reach = state.diameter * state.diameter;
+    Real const* const x = state.discs.x.data();
+    Real const* const y = state.discs.y.data();
+    int const* const id = state.discs.id.data();
+    int const* const first_in = lists.first.data();
+    int const* const next = lists.next.data();
     auto const p = state.discs.position(i);
-    auto const visit_others = [&](int k, Vec2<Real>) {
-      if (k != i)
-        visit(k);
-    };
     state.neighbours.for_blocks_near(p, [&](int first, int last) {
-      state.neighbours.for_each_in_block(p, first, last, visit_others);
       for (int c = first; c <= last; ++c)
-        for (int k = strays.first_in_cell(c); k != Strays<Space>::none; k = strays.next(k))
-          state.neighbours.test(p, k, visit_others);
+        for (int k = first_in[c]; k != CellLists<Space>::none; k = next[k]) {
+          if (id[k] <= above || k == i)
+            continue;
+          auto const d = domain.separation(p, {x[k], y[k]});
+          if (dot(d, d) < reach)
+            visit(id[k], k);
+        }
     });
   }
 };
@@ -202,18 +200,23 @@ struct ResolveInOrder {
 template <class Space, class Real>
 class OrderedPairs {
  public:
-  OrderedPairs(Cells<Space> const& cells, int discs) : strays_(cells.count(), discs) {}
+  OrderedPairs(Cells<Space> const& cells, int discs) : lists_(cells.count(), discs) {}
 
   template <class LawType, bool periodic>
   void resolve(Space const& space, PairState<Space, Real, periodic> const& state,
                LawType const& law)
   {
+    auto const lists = lists_;
+    auto const cells = state.cells;
+    Kokkos::parallel_for(
+        "ricochet::list_cells", Kokkos::RangePolicy<Space>(space, 0, cells.count()),
+        KOKKOS_LAMBDA(int c) { lists.fill(cells, c); });
     Kokkos::parallel_for("ricochet::resolve_in_order", Kokkos::RangePolicy<Space>(space, 0, 1),
-                         ResolveInOrder<Space, Real, LawType, periodic>{state, strays_, law});
+                         ResolveInOrder<Space, Real, LawType, periodic>{state, lists_, law});
   }
 
  private:
-  Strays<Space> strays_;
+  CellLists<Space> lists_;
 };
 
 } // namespace ricochet

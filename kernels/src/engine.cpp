@@ -11,9 +11,9 @@
 namespace ricochet {
 namespace {
 
-/// A step of fewer discs than this is over before a second thread has joined in (measured:
-/// launching the kernels of a step on two threads costs as much as about 600 discs on an idle
-/// machine, several times that on a busy one).
+/// With fewer discs than this a second thread costs more than it helps: waking it for each kernel
+/// of a step costs as much as the work on about 600 discs on an idle machine and several times that
+/// on a busy one, and the rows of `sweep`, half of the work, are one thread's in any case.
 constexpr std::size_t worth_two_threads = 10000;
 
 bool prefers_one_thread(Placement placement, std::size_t discs)

@@ -1,25 +1,17 @@
 #include "ricochet/model.hpp"
 
+#include <charconv>
 #include <cmath>
-#include <sstream>
 
 namespace ricochet {
 namespace {
 
+/// As few digits as read back to the same number.
 std::string text(double value)
 {
-  std::ostringstream out;
-  out.precision(17);
-  out << value;
-  // As few digits as read back to the same number.
-  for (int digits = 1; digits < 17; ++digits) {
-    std::ostringstream shorter;
-    shorter.precision(digits);
-    shorter << value;
-    if (std::strtod(shorter.str().c_str(), nullptr) == value)
-      return shorter.str();
-  }
-  return out.str();
+  char digits[32];
+  auto const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  return {digits, end};
 }
 
 bool in_unit_interval(double value)
