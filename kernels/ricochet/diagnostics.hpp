@@ -132,7 +132,7 @@ void write_states(Space const& space, Discs<Space, Real> const& discs, List cons
 template <class Space, class Real>
 Discs<Space, Real> discs_from(Space const& space, DiscState const* in, int count)
 {
-  Discs<Space, Real> const discs(count);
+  Discs<Space, Real> discs(count);
   HostStates<DiscState const> const host(in, count);
   if constexpr (shares_host_memory<Space>) {
     read_states(space, host, discs);
