@@ -54,8 +54,9 @@ Scene rare_states()
 {
   Scene scene;
   scene.model = make_model(40, 60, 9.81, {Law::restitution, 0.5, 0.5});
-  for (int k = 0; k < 200; ++k)
-    scene.discs.push_back({-19.0 + 2 * (k % 20), -29.0 + 2 * (k / 20), 0, 0});
+  for (int row = 0; row < 10; ++row)
+    for (int column = 0; column < 20; ++column)
+      scene.discs.push_back({-19.0 + 2 * column, -29.0 + 2 * row, 0, 0});
   scene.discs.push_back({0, 10, 1, 0});
   scene.discs.push_back({0, 10, -1, 2});
   scene.discs.push_back({5, 10, 1, 1});

@@ -54,8 +54,10 @@ Scene golden_scene(std::string const& name)
   }
 
   Scene scene;
-  scene.model.box.width = 2.0 * (static_cast<int>(config["width"]) / 2);
-  scene.model.box.height = 2.0 * (static_cast<int>(config["height"]) / 2);
+  int const half_width = static_cast<int>(config["width"]) / 2;
+  int const half_height = static_cast<int>(config["height"]) / 2;
+  scene.model.box.width = 2.0 * half_width;
+  scene.model.box.height = 2.0 * half_height;
   scene.model.radius = config["radius"];
   scene.model.gravity = config["g"];
   scene.model.contact = {Law::swap_scale, config["alpha"], config["beta"]};

@@ -114,7 +114,9 @@ TEST_P(Labels, NameThePhysicsOfARun)
 TEST(Labels, AreMissedWhereTheyAreMissing)
 {
   Listening const listening;
-  Kokkos::View<int*> const view("nameless", 3);
+  {
+    Kokkos::View<int*> const view("nameless", 3);
+  }
   EXPECT_EQ(heard.allocations.count("nameless"), 1u);
   EXPECT_FALSE(is_labelled("nameless"));
   EXPECT_FALSE(is_labelled(""));

@@ -56,8 +56,9 @@ std::vector<DiscState> lattice_discs(Model const& model, std::size_t count, doub
   double const dy = model.box.height / static_cast<double>(rows);
   std::vector<DiscState> discs(count);
   for (std::size_t k = 0; k < count; ++k) {
-    discs[k].x = (static_cast<double>(k % columns) + 0.5) * dx - model.box.width / 2;
-    discs[k].y = (static_cast<double>(k / columns) + 0.5) * dy - model.box.height / 2;
+    std::size_t const row = k / columns, column = k - row * columns;
+    discs[k].x = (static_cast<double>(column) + 0.5) * dx - model.box.width / 2;
+    discs[k].y = (static_cast<double>(row) + 0.5) * dy - model.box.height / 2;
     discs[k].vx = random.between(-speed, speed);
     discs[k].vy = random.between(-speed, speed);
   }
