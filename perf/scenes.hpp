@@ -1,0 +1,62 @@
+// Initial states for measurements: the same numbers on every machine.
+#pragma once
+
+#include <ricochet/model.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace ricochet::perf {
+
+/// Counter-based random number in [0, 1): draw `counter` of stream `seed` (SplitMix64).
+inline double uniform(std::uint64_t seed, std::uint64_t counter)
+{
+  std::uint64_t word = seed * 0xd1342543de82ef95u + (counter + 1) * 0x9e3779b97f4a7c15u;
+  word = (word ^ (word >> 30)) * 0xbf58476d1ce4e5b9u;
+  word = (word ^ (word >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<double>((word ^ (word >> 31)) >> 11) * 0x1p-53;
+}
+
+/// A scene and its initial state.
+struct Gas {
+  Model model;
+  std::vector<DiscState> discs;
+  double thermal_speed = 0; ///< rms of one velocity component
+};
+
+/// `count` discs of radius 3 at packing fraction `packing` (up to 0.7) in a square box, on a square
+/// lattice, with ids in random order and random velocities of zero mean.
+inline Gas gas(int count, double packing, Contact const& contact, double gravity)
+{
+  constexpr double pi = 3.14159265358979323846, speed = 100;
+  Gas result;
+  result.model.contact = contact;
+  result.model.gravity = gravity;
+  double const r = result.model.radius;
+  double const side = std::sqrt(count * pi * r * r / packing);
+  result.model.box.width = result.model.box.height = side;
+
+  auto const columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+  double const spacing = side / columns;
+  auto const component = [&](int i, int k) {
+    // The sum of three uniform numbers of variance 1/12 is near enough to a Gaussian.
+    double sum = -1.5;
+    for (int j = 0; j < 3; ++j)
+      sum += uniform(1, static_cast<std::uint64_t>(6 * i + 3 * k + j));
+    return 2 * speed * sum;
+  };
+  for (int i = 0; i < count; ++i)
+    result.discs.push_back({(i % columns + 0.5) * spacing - side / 2,
+                            (i / columns + 0.5) * spacing - side / 2, component(i, 0),
+                            component(i, 1)});
+  for (int i = count - 1; i > 0; --i) {
+    auto const k = static_cast<int>(uniform(2, static_cast<std::uint64_t>(i)) * (i + 1));
+    std::swap(result.discs[static_cast<std::size_t>(i)], result.discs[static_cast<std::size_t>(k)]);
+  }
+  result.thermal_speed = speed;
+  return result;
+}
+
+} // namespace ricochet::perf
