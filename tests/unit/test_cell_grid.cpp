@@ -55,7 +55,8 @@ std::vector<int> found(Model const& model, Sorted<Real> const& sorted, Real reac
   auto const discs = sorted.discs;
   int const n = discs.count();
   Neighbours<Space, Real, periodic> const neighbours(discs, sorted.grid.cells(), model.box, reach);
-  Kokkos::View<int*, Space::memory_space> const times("ricochet::times_found", n * n);
+  Kokkos::View<int*, Space::memory_space> const times(
+      "ricochet::times_found", static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
   Kokkos::parallel_for(
       "ricochet::find_all", Kokkos::RangePolicy<Space>(0, n), KOKKOS_LAMBDA(int i) {
         neighbours.for_each(discs.position(i),
