@@ -29,6 +29,27 @@ struct CellAxis {
     return clamped((position - low) * per_length);
   }
 
+  /// How far a coordinate is from a cell, in cells; not positive inside.
+  KOKKOS_INLINE_FUNCTION double cells_away(double position, int cell) const
+  {
+    double const below = cell - (position - low) * per_length;
+    return below > -below - 1 ? below : -below - 1;
+  }
+
+  /// Whether cells at the two ends are neighbours, and not next to each other in any case.
+  KOKKOS_INLINE_FUNCTION bool wraps() const { return periodic && count > 2; }
+
+  /// The cell before, or after, `cell`, if there is one.
+  static constexpr int none = -1;
+  KOKKOS_INLINE_FUNCTION int before(int cell) const
+  {
+    return cell > 0 ? cell - 1 : (wraps() ? count - 1 : none);
+  }
+  KOKKOS_INLINE_FUNCTION int after(int cell) const
+  {
+    return cell + 1 < count ? cell + 1 : (wraps() ? 0 : none);
+  }
+
   /// Cells with a point closer than `reach`, this side of the ends.
   KOKKOS_INLINE_FUNCTION Span near(double position, double reach) const
   {
@@ -64,22 +85,103 @@ struct CellAxis {
   }
 };
 
+/// Discs stored in a block of up to 3 x 3 cells: three runs of consecutive slots begin[k]...end[k]
+/// - 1, one a row of cells; a run is empty if end[k] <= begin[k].
+struct Runs {
+  int begin[3], end[3];
+};
+
 /// The grid on the device: which cell a point is in, and which slots a cell holds.
 ///
 /// Cells are numbered row by row, so that neighbouring cells of a row, and therefore their discs,
-/// follow each other in memory.
+/// follow each other in memory. Empty cells surround the box (a column of them after each row,
+/// which is also before the next, and a row before the first and after the last), so that every
+/// cell of the box has neighbours.
 template <class Space>
 struct Cells {
   CellAxis x, y;
-  /// Cell c holds the slots start(c) ... start(c + 1) - 1, in the order of their ids.
+  /// Cell c holds the slots start(c) ... start(c + 1) - 1, in no particular order.
   Kokkos::View<int*, typename Space::memory_space> start;
 
-  int count() const { return x.count * y.count; }
+  /// Number of cells, with those around the box.
+  int count() const { return stride() * (y.count + 2); }
 
   template <class Real>
   KOKKOS_INLINE_FUNCTION int at(Vec2<Real> p) const
   {
-    return y.at(static_cast<double>(p.y)) * x.count + x.at(static_cast<double>(p.x));
+    return index(y.at(static_cast<double>(p.y)), x.at(static_cast<double>(p.x)));
+  }
+  KOKKOS_INLINE_FUNCTION int index(int row, int column) const
+  {
+    return (row + 1) * stride() + column;
+  }
+  KOKKOS_INLINE_FUNCTION int row(int cell) const { return cell / stride() - 1; }
+  KOKKOS_INLINE_FUNCTION int column(int cell) const { return cell % stride(); }
+
+  /// Shortest side of a cell [length].
+  KOKKOS_INLINE_FUNCTION double side() const
+  {
+    double const width = 1 / x.per_length, height = 1 / y.per_length;
+    return width < height ? width : height;
+  }
+
+  /// Calls visit(runs) so that together the runs are the discs stored in `cell` and in the cells
+  /// around it, each once: all that can be closer than side() to a point in `cell`.
+  template <bool periodic, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_runs_around(int cell, Visit const& visit) const
+  {
+    Runs runs;
+    if constexpr (periodic) {
+      int const rows[3] = {y.before(row(cell)), row(cell), y.after(row(cell))};
+      for_columns(column(cell), [&](int first, int last) {
+        for (int k = 0; k < 3; ++k)
+          set_run(runs, k, rows[k], first, last);
+        visit(runs);
+      });
+    } else {
+      for (int k = 0; k < 3; ++k)
+        set_run(runs, k, cell + (k - 1) * stride());
+      visit(runs);
+    }
+  }
+
+  /// Half of for_runs_around(): what follows `slot`, which `cell` holds, in its own cell, and the
+  /// cells to the right and in the next row. Over all slots each pair of discs is met once.
+  template <bool periodic, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_runs_ahead(int cell, int slot, Visit const& visit) const
+  {
+    Runs runs;
+    runs.begin[0] = slot + 1;
+    if constexpr (periodic) {
+      int const own = row(cell), next = y.after(own);
+      bool across = false;
+      for_columns(column(cell), [&](int first, int last) {
+        if (!across)
+          runs.end[0] = start(index(own, last) + 1);
+        else // to the right of the last column is the first
+          set_run(runs, 0, last == 0 ? own : CellAxis::none, first, last);
+        set_run(runs, 1, next, first, last);
+        visit(runs);
+        across = true;
+      });
+    } else {
+      runs.end[0] = start(cell + 2);
+      set_run(runs, 1, cell + stride());
+      visit(runs);
+    }
+  }
+
+  /// Calls visit(c) for all cells that for_runs_around() looks into, each once.
+  template <bool periodic, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_cells_around(int cell, Visit const& visit) const
+  {
+    int const rows[3] = {y.before(row(cell)), row(cell), y.after(row(cell))};
+    for (int const r : rows)
+      if (r != CellAxis::none)
+        for_columns(column(cell), [&](int first, int last) {
+          for (int c = first; c <= last; ++c)
+            visit(index(r, c));
+        });
   }
 
   /// Calls visit(first, last) for blocks of cells first...last, contiguous in number, which
@@ -100,12 +202,41 @@ struct Cells {
   }
 
  private:
+  KOKKOS_INLINE_FUNCTION int stride() const { return x.count + 1; }
+
+  /// A cell and those to its left and right.
+  KOKKOS_INLINE_FUNCTION void set_run(Runs& runs, int k, int middle) const
+  {
+    runs.begin[k] = start(middle - 1);
+    runs.end[k] = start(middle + 2);
+  }
+
+  /// Columns first...last of a row, or nothing.
+  KOKKOS_INLINE_FUNCTION void set_run(Runs& runs, int k, int row, int first, int last) const
+  {
+    bool const any = row != CellAxis::none;
+    runs.begin[k] = any ? start(index(row, first)) : 0;
+    runs.end[k] = any ? start(index(row, last) + 1) : 0;
+  }
+
+  /// Calls visit(first, last) for the columns next to and at `column`, and again for the one across
+  /// the edge of a periodic box.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_columns(int column, Visit const& visit) const
+  {
+    visit(column > 0 ? column - 1 : 0, column + 1 < x.count ? column + 1 : column);
+    if (x.wraps() && (column == 0 || column + 1 == x.count)) {
+      int const across = column == 0 ? x.count - 1 : 0;
+      visit(across, across);
+    }
+  }
+
   template <bool periodic, class Real, class Visit>
   KOKKOS_INLINE_FUNCTION void for_rows(Span rows, Vec2<Real> p, double reach, Span columns,
                                        Visit const& visit) const
   {
     for (int row = rows.first; row <= rows.last; ++row) {
-      int const start_of_row = row * x.count;
+      int const start_of_row = index(row, 0);
       visit(start_of_row + columns.first, start_of_row + columns.last);
       if constexpr (periodic) {
         Span const low = x.across_low_end(static_cast<double>(p.x), reach, columns);
@@ -119,112 +250,60 @@ struct Cells {
   }
 };
 
-/// Sorts order(first)...order(last - 1) by the id of the slot each entry names.
-template <class Space>
-struct SortCellById {
-  Kokkos::View<int*, typename Space::memory_space> start, order, id;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int cell) const
-  {
-    int const first = start(cell), n = start(cell + 1) - first;
-    if (n < 2)
-      return;
-    constexpr int few = 32;
-    if (n <= few)
-      insertion_sort(&order(first), n);
-    else
-      heap_sort(&order(first), n);
-  }
-
- private:
-  KOKKOS_INLINE_FUNCTION bool before(int a, int b) const { return id(a) < id(b); }
-
-  KOKKOS_INLINE_FUNCTION void insertion_sort(int* entries, int n) const
-  {
-    for (int i = 1; i < n; ++i) {
-      int const entry = entries[i];
-      int k = i;
-      for (; k > 0 && before(entry, entries[k - 1]); --k)
-        entries[k] = entries[k - 1];
-      entries[k] = entry;
-    }
-  }
-
-  // For cells that a crowd of discs has gathered in.
-  KOKKOS_INLINE_FUNCTION void heap_sort(int* entries, int n) const
-  {
-    for (int root = n / 2 - 1; root >= 0; --root)
-      sift_down(entries, root, n);
-    for (int end = n - 1; end > 0; --end) {
-      int const largest = entries[0];
-      entries[0] = entries[end];
-      entries[end] = largest;
-      sift_down(entries, 0, end);
-    }
-  }
-
-  KOKKOS_INLINE_FUNCTION void sift_down(int* entries, int root, int n) const
-  {
-    int const entry = entries[root];
-    for (int child = 2 * root + 1; child < n; child = 2 * root + 1) {
-      if (child + 1 < n && before(entries[child], entries[child + 1]))
-        ++child;
-      if (!before(entry, entries[child]))
-        break;
-      entries[root] = entries[child];
-      root = child;
-    }
-    entries[root] = entry;
-  }
-};
-
 /// Keeps discs stored in cell order. Owns the grid and all scratch of the sort.
 template <class Space, class Real>
 class CellGrid {
  public:
   using Ints = Kokkos::View<int*, typename Space::memory_space>;
 
-  /// A grid for `count` discs of `model`.
+  /// A grid for `count` discs of `model`, whose cells are wider than a diameter by a quarter at
+  /// least, where the box is.
   CellGrid(Model const& model, int count)
     : spare_(count),
-      cell_(uninitialised<Ints>("ricochet::cell_of_disc", count)),
+      unsorted_cell_(uninitialised<Ints>("ricochet::unsorted_cell", count)),
       rank_(uninitialised<Ints>("ricochet::rank_in_cell", count)),
-      order_(uninitialised<Ints>("ricochet::sort_order", count)),
+      cell_(uninitialised<Ints>("ricochet::cell_of_slot", count)),
       slot_of_id_(uninitialised<Ints>("ricochet::slot_of_id", count))
   {
     Box const& box = model.box;
     // Larger cells where discs are sparse, or there would be many empty ones to go through.
     double const sparse = std::sqrt(0.3 * box.width / std::max(count, 1) * box.height);
-    double const side = std::max(2 * model.radius, sparse);
+    double const side = std::max(2.5 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);
     cells_.start = Ints("ricochet::cell_start", static_cast<std::size_t>(cells_.count()) + 1);
   }
 
-  /// Stores the discs by cell and, inside a cell, by id: an order that depends on nothing but the
-  /// state. Slots change; `discs` and the grid's spare memory change places.
+  /// Stores the discs by cell. Inside a cell their order is whatever the scheduler made it, so
+  /// nothing may depend on it. Slots change; `discs` and the grid's spare memory change places.
   void sort(Space const& space, Discs<Space, Real>& discs);
 
   Cells<Space> const& cells() const { return cells_; }
 
-  /// Slot of each id, as of the last sort.
+  /// Of each slot, as of the last sort: its cell.
+  Ints const& cell() const { return cell_; }
+
+  /// The slot of each id, as of the last sort.
   Ints const& slot_of_id() const { return slot_of_id_; }
 
-  /// Memory for N discs that is free between sorts. Its contents are lost in the next sort.
-  Discs<Space, Real>& spare() { return spare_; }
+  /// Memory for N discs, and for two numbers a disc, that is free between sorts. Its contents are
+  /// lost in the next sort.
+  Discs<Space, Real> const& spare() const { return spare_; }
+  Ints const& scratch() const { return unsorted_cell_; }
+  Ints const& more_scratch() const { return rank_; }
 
  private:
   static CellAxis axis(double length, Boundary boundary, double side, int discs)
   {
     // A box may be much longer than wide, but never needs more cells along it than this.
-    double const most = 2.0 * discs + 1;
+    double const most = 1.0 * discs + 1;
     auto const count = static_cast<int>(std::max(1.0, std::min(std::floor(length / side), most)));
     return {-length / 2, length, count / length, count, boundary == Boundary::periodic};
   }
 
   Cells<Space> cells_;
   Discs<Space, Real> spare_;
-  Ints cell_, rank_, order_, slot_of_id_;
+  Ints unsorted_cell_, rank_, cell_, slot_of_id_;
 };
 
 template <class Space, class Real>
@@ -234,16 +313,15 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs)
   int const n = discs.count();
   auto const from = discs, to = spare_;
   auto const cells = cells_;
-  auto const start = cells_.start, cell = cell_, rank = rank_, order = order_,
+  auto const start = cells_.start, unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_,
              slot_of_id = slot_of_id_;
 
   Kokkos::deep_copy(space, start, 0);
-  // The rank inside a cell is whatever the scheduler made it; the sort by id repairs that.
   Kokkos::parallel_for(
       "ricochet::count_in_cells", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
         int const c = cells.at(from.position(i));
-        cell(i) = c;
-        rank(i) = Kokkos::atomic_fetch_add(&start(c), 1);
+        unsorted_cell(i) = c;
+        rank(i) = fetch_add<Space>(start(c), 1);
       });
   Kokkos::parallel_scan(
       "ricochet::scan_cells", Range(space, 0, cells.count() + 1),
@@ -254,17 +332,14 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs)
         before += here;
       });
   Kokkos::parallel_for(
-      "ricochet::fill_cells", Range(space, 0, n),
-      KOKKOS_LAMBDA(int i) { order(start(cell(i)) + rank(i)) = i; });
-  Kokkos::parallel_for("ricochet::sort_cells_by_id", Range(space, 0, cells.count()),
-                       SortCellById<Space>{start, order, from.id});
-  Kokkos::parallel_for(
-      "ricochet::store_by_cell", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
-        int const i = order(slot);
+      "ricochet::store_by_cell", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
+        int const c = unsorted_cell(i), id = from.id(i);
+        int const slot = start(c) + rank(i);
         to.set_position(slot, from.position(i));
         to.set_velocity(slot, from.velocity(i));
-        to.id(slot) = from.id(i);
-        slot_of_id(from.id(i)) = slot;
+        to.id(slot) = id;
+        cell(slot) = c;
+        slot_of_id(id) = slot;
       });
   std::swap(discs, spare_);
 }

@@ -15,9 +15,9 @@ template <class Space, class Real>
 struct Discs {
   using Memory = typename Space::memory_space;
 
-  /// The arrays of positions are longer than the number of discs by this, so that a kernel may read
-  /// (and ignore) a few discs too many.
-  static constexpr int padding = 4;
+  /// The arrays of positions and ids are longer than the number of discs by this, so that a kernel
+  /// may read (and ignore) a few discs too many.
+  static constexpr int padding = 8;
 
   Kokkos::View<Real*, Memory> x, y, vx, vy;
   Kokkos::View<int*, Memory> id;
@@ -28,11 +28,11 @@ struct Discs {
       y("ricochet::y", count + padding),
       vx(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vx", count)),
       vy(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vy", count)),
-      id(uninitialised<Kokkos::View<int*, Memory>>("ricochet::id", count))
+      id("ricochet::id", count + padding)
   {
   }
 
-  int count() const { return static_cast<int>(id.extent(0)); }
+  int count() const { return static_cast<int>(vx.extent(0)); }
 
   KOKKOS_INLINE_FUNCTION Vec2<Real> position(int slot) const { return {x(slot), y(slot)}; }
   KOKKOS_INLINE_FUNCTION Vec2<Real> velocity(int slot) const { return {vx(slot), vy(slot)}; }

@@ -49,11 +49,7 @@ class Domain {
 
     KOKKOS_INLINE_FUNCTION Real nearest(Real d) const
     {
-      if (d > half)
-        return d - length;
-      if (d < -half)
-        return d + length;
-      return d;
+      return d > half ? d - length : (d < -half ? d + length : d);
     }
 
     KOKKOS_INLINE_FUNCTION Real wrapped(Real p) const

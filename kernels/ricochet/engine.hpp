@@ -30,12 +30,27 @@ enum class Placement {
   parallel   ///< the default backend, whatever the size
 };
 
+/// How `sweep` executes its ordered loop. The result is the same, to the bit.
+enum class Execution {
+  automatic, ///< by islands, or in order where the islands are too large
+  islands,   ///< always by islands, whatever their size
+  crowd,     ///< all islands of a step together, by one thread
+  in_order   ///< the loop as it is written, by one thread
+};
+
 /// How a model is simulated.
 struct Method {
   EngineKind engine = EngineKind::sweep;
   Precision precision = Precision::double_;
   double dt = 1.0 / 45; ///< length of a step [time], > 0, finite
   Placement placement = Placement::automatic;
+  Execution execution = Execution::automatic;
+};
+
+/// How many steps of `sweep` were executed in which way: by islands only, with a crowd of large
+/// islands besides, or in order.
+struct ExecutionCounts {
+  std::int64_t islands = 0, crowd = 0, in_order = 0;
 };
 
 /// Where the energy went. `numerical` is what the method itself created (positive) or destroyed
@@ -68,9 +83,11 @@ struct Report {
   std::int64_t collisions = 0;      ///< pair contacts that were resolved
   std::int64_t separating_hits = 0; ///< those of them whose discs were not approaching
   std::int64_t wall_hits = 0;
-  double max_overlap =
-      0; ///< deepest overlap of two discs, at the start or after any step [diameters]
-  double max_outside = 0; ///< farthest a disc's edge was beyond a wall, likewise [diameters]
+  ExecutionCounts executions;
+  /// Deepest overlap of two discs, at the start or when a contact was resolved [diameters].
+  double max_overlap = 0;
+  /// Farthest a disc's edge was beyond a wall, at the start or after any step [diameters].
+  double max_outside = 0;
   EnergyLedger energy;
   double momentum_x = 0, momentum_y = 0;
   double temperature = 0; ///< sum of |v|^2 / 2N, lab frame

@@ -32,8 +32,7 @@ class FixedStep : public Engine {
       law_(contact_law<Real>(model.contact)),
       discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
       grid_(model, discs_.count()),
-      pairs_(grid_.cells(), discs_.count()),
-      contacts_("ricochet::contacts", discs_.count()),
+      pairs_(grid_, method.execution, discs_.count()),
       books_("ricochet::books"),
       part_("ricochet::part_of_books"),
       scales_(scales_for(model, initial))
@@ -69,18 +68,17 @@ class FixedStep : public Engine {
   void step()
   {
     ProfilingRegion const region("ricochet::step");
-    find_contacts();
+    grid_.sort(space_, discs_);
     resolve_contacts();
     fly(space_, discs_, model_.gravity, dt_);
     bounce_off_walls(space_, discs_, model_, scales_, part_);
     enter<Space>(space_, books_, part_);
-    contacts_known_ = false;
     ++steps_;
   }
 
  public: // nvcc takes device lambdas and launches only from public functions
-  void find_contacts();
   void resolve_contacts();
+  void look_at_start();
 
  private:
   /// Calls use(periodic) with a compile-time answer to whether any axis of the box is periodic.
@@ -94,9 +92,16 @@ class FixedStep : public Engine {
   }
 
   template <bool periodic>
-  Neighbours<Space, Real, periodic> neighbours() const
+  PairState<Space, Real, periodic> pair_state() const
   {
-    return {discs_, grid_.cells(), model_.box, diameter_};
+    auto spare = grid_.spare();
+    spare.id = discs_.id;
+    return {discs_,         spare,
+            grid_.cell(),   grid_.slot_of_id(),
+            grid_.cells(),  Domain<Real, periodic>(model_.box),
+            model_.box,     diameter_,
+            model_.gravity, scales_,
+            books_};
   }
 
   void note_warnings(EngineKind engine);
@@ -120,53 +125,40 @@ class FixedStep : public Engine {
   Discs<Space, Real> discs_;
   CellGrid<Space, Real> grid_;
   PairStep pairs_;
-  ContactFlags<Space> contacts_;
   BooksView<Space> books_, part_;
   Scales scales_;
   double kinetic_initial_ = 0, potential_initial_ = 0;
   std::int64_t steps_ = 0;
   std::vector<std::string> warnings_;
-  bool contacts_known_ = false; ///< whether cells and contacts are those of the present state
 };
-
-/// Sorts the discs into cells, flags those that overlap and notes the extremes of the state. What a
-/// report has found serves the next step as well.
-template <class Space, class Real, class PairStep>
-void FixedStep<Space, Real, PairStep>::find_contacts()
-{
-  if (contacts_known_)
-    return;
-  ProfilingRegion const region("ricochet::find_contacts");
-  grid_.sort(space_, discs_);
-  Kokkos::deep_copy(space_, contacts_, contact::none);
-  with_boundaries([&](auto periodic) {
-    Kokkos::parallel_reduce(
-        "ricochet::find_contacts", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
-        FindContacts<Space, Real, periodic>{discs_, neighbours<periodic>(), Outside(model_),
-                                            diameter_, contacts_},
-        Merge<Books, Space>(part_));
-  });
-  enter<Space>(space_, books_, part_);
-  contacts_known_ = true;
-}
 
 template <class Space, class Real, class PairStep>
 void FixedStep<Space, Real, PairStep>::resolve_contacts()
 {
   ProfilingRegion const region("ricochet::resolve_contacts");
   with_boundaries([&](auto periodic) {
-    PairState<Space, Real, periodic> const state{discs_,
-                                                 grid_.cells(),
-                                                 Domain<Real, periodic>(model_.box),
-                                                 neighbours<periodic>(),
-                                                 grid_.slot_of_id(),
-                                                 contacts_,
-                                                 diameter_,
-                                                 model_.gravity,
-                                                 scales_,
-                                                 books_};
-    std::visit([&](auto const& law) { pairs_.resolve(space_, state, law); }, law_);
+    std::visit([&](auto const& law) { pairs_.resolve(space_, pair_state<periodic>(), law); }, law_);
   });
+}
+
+/// Enters the extremes of the initial state in the books.
+template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::look_at_start()
+{
+  grid_.sort(space_, discs_);
+  with_boundaries([&](auto periodic) {
+    auto const state = pair_state<periodic>();
+    DeepestOverlap<Space, Real, periodic> const deepest_overlap{state, state.neighbours()};
+    Outside const outside(model_);
+    Kokkos::parallel_reduce(
+        "ricochet::look_at_start", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
+        KOKKOS_LAMBDA(int slot, Books& books) {
+          deepest_overlap(slot, books.max_overlap);
+          outside.enter(state.discs.position(slot), books.max_outside);
+        },
+        Merge<Books, Space>(part_));
+  });
+  enter<Space>(space_, books_, part_);
 }
 
 template <class Space, class Real, class PairStep>
@@ -175,7 +167,8 @@ void FixedStep<Space, Real, PairStep>::note_warnings(EngineKind engine)
   if (engine == EngineKind::simultaneous)
     warnings_.push_back("engine simultaneous gains energy wherever discs stay in contact, at any "
                         "step length; it exists to reproduce the original's parallel variant");
-  find_contacts();
+  look_at_start();
+  space_.fence();
   Books books;
   Kokkos::deep_copy(books, books_);
   auto const percent = [](double share) { return std::to_string(std::lround(100 * share)) + " %"; };
@@ -194,7 +187,6 @@ void FixedStep<Space, Real, PairStep>::note_warnings(EngineKind engine)
 template <class Space, class Real, class PairStep>
 Report FixedStep<Space, Real, PairStep>::report()
 {
-  find_contacts();
   auto const now = totals(space_, discs_, model_, scales_);
   Books books;
   Kokkos::deep_copy(books, books_);
@@ -206,6 +198,7 @@ Report FixedStep<Space, Real, PairStep>::report()
   report.collisions = books.collisions;
   report.separating_hits = books.separating_hits;
   report.wall_hits = books.wall_hits;
+  report.executions = pairs_.executions();
   report.max_overlap = books.max_overlap;
   report.max_outside = books.max_outside;
   report.energy.kinetic_initial = kinetic_initial_;

@@ -4,6 +4,7 @@
 #include <Kokkos_Core.hpp>
 
 #include <string>
+#include <type_traits>
 
 namespace ricochet {
 
@@ -23,6 +24,65 @@ template <class ViewType, class... Extents>
 ViewType uninitialised(std::string const& label, Extents... extents)
 {
   return ViewType(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), extents...);
+}
+
+/// Whether work items on `Space` run one after another, so that nothing they share needs atomics.
+#if defined(KOKKOS_ENABLE_SERIAL)
+template <class Space>
+constexpr bool one_at_a_time = std::is_same_v<Space, Kokkos::Serial>;
+#else
+template <class Space>
+constexpr bool one_at_a_time = false;
+#endif
+
+/// Adds to a counter that the work items of a kernel on `Space` share; returns its value before.
+template <class Space>
+KOKKOS_INLINE_FUNCTION int fetch_add(int& counter, int increment)
+{
+  if constexpr (one_at_a_time<Space>) {
+    int const before = counter;
+    counter = before + increment;
+    return before;
+  } else {
+    return Kokkos::atomic_fetch_add(&counter, increment);
+  }
+}
+
+/// Replaces a number that the work items of a kernel on `Space` share; returns the one before.
+template <class Space>
+KOKKOS_INLINE_FUNCTION int exchange(int& number, int replacement)
+{
+  if constexpr (one_at_a_time<Space>) {
+    int const before = number;
+    number = replacement;
+    return before;
+  } else {
+    return Kokkos::atomic_exchange(&number, replacement);
+  }
+}
+
+/// Replaces such a number if it is `expected`; returns the one before.
+template <class Space>
+KOKKOS_INLINE_FUNCTION int compare_exchange(int& number, int expected, int replacement)
+{
+  if constexpr (one_at_a_time<Space>) {
+    int const before = number;
+    if (before == expected)
+      number = replacement;
+    return before;
+  } else {
+    return Kokkos::atomic_compare_exchange(&number, expected, replacement);
+  }
+}
+
+/// Place of the lowest bit that is set in `bits`, which is not 0.
+KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits)
+{
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(bits)) - 1; // nvcc has no builtin for it
+#else
+  return __builtin_ctz(bits);
+#endif
 }
 
 /// A named region of Kokkos Tools for the lifetime of the object.

@@ -1,4 +1,4 @@
-// Who is near: the one search of all engines.
+// Who is near: the searches of all engines.
 #pragma once
 
 #include "ricochet/cell_grid.hpp"
@@ -12,70 +12,119 @@ namespace ricochet {
 template <class Space, class Real, bool periodic>
 class Neighbours {
  public:
-  Neighbours(Discs<Space, Real> const& discs, Cells<Space> const& cells, Box const& box, Real reach)
-    : discs_(discs), cells_(cells), domain_(box), reach2_(reach * reach)
+  Neighbours(Discs<Space, Real> const& discs, Cells<Space> const& cells, Box const& box)
+    : discs_(discs),
+      cells_(cells),
+      domain_(box),
+      // Rounding moves a computed separation by a few units in the last place of the coordinates;
+      // a search must not be narrower than the test.
+      rounding_(8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+                (box.width > box.height ? box.width : box.height))
   {
-    // Rounding moves a computed separation by a few units in the last place of the coordinates; the
-    // search must not be narrower than the test.
-    search_ = static_cast<double>(reach) * (1 + 1e-6) +
-              8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
-                  (box.width > box.height ? box.width : box.height);
   }
 
-  /// Calls visit(slot, separation) for every disc stored in a cell near `p` whose centre is closer
-  /// to `p` than the reach; a disc at `p` is one of them.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each(Vec2<Real> p, Visit const& visit) const
+  /// The distance up to which a search by cells must go, to find all that are closer than `reach`.
+  KOKKOS_INLINE_FUNCTION double margin(double reach) const
   {
-    for_each_from(p, 0, visit);
+    return reach * (1 + 1e-6) + rounding_;
   }
 
-  /// for_each() among the slots from `from` on.
+  /// Calls visit(slot, separation) for every disc stored in or next to `cell` whose centre is
+  /// closer to `p` than the root of `reach2` and whose id is above `above`; a disc at `p` may be
+  /// one of them.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_from(Vec2<Real> p, int from, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_each_around(int cell, Vec2<Real> p, Real reach2, int above,
+                                              Visit const& visit) const
   {
-    for_blocks_near(p, [&](int first, int last) {
-      int const begin = cells_.start(first);
-      for_each_slot(p, begin < from ? from : begin, cells_.start(last + 1), visit);
-    });
+    cells_.template for_runs_around<periodic>(
+        cell, [&](Runs const& runs) { for_each_in<3, true>(runs, p, reach2, above, visit); });
   }
 
-  /// Calls visit(first, last) for blocks of cells that hold all discs that can be within reach.
+  /// The same for pairs: over all slots it visits every two discs that are stored in the same cell
+  /// or next to each other and closer than the root of `reach2`, once.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_blocks_near(Vec2<Real> p, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_each_ahead(int cell, int slot, Real reach2,
+                                             Visit const& visit) const
   {
-    cells_.template for_blocks_near<periodic>(p, search_, visit);
+    auto const p = discs_.position(slot);
+    cells_.template for_runs_ahead<periodic>(
+        cell, slot, [&](Runs const& runs) { for_each_in<2, false>(runs, p, reach2, 0, visit); });
+  }
+
+  /// Calls visit(slot, separation) for every disc whose centre is closer to `p` than `reach`, which
+  /// may be any distance. The discs must be where they were when they were sorted.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_within(Vec2<Real> p, Real reach, Visit const& visit) const
+  {
+    Real const reach2 = reach * reach;
+    Runs runs;
+    int row = 0;
+    cells_.template for_blocks_near<periodic>(p, margin(static_cast<double>(reach)),
+                                              [&](int first, int last) {
+                                                runs.begin[row] = cells_.start(first);
+                                                runs.end[row] = cells_.start(last + 1);
+                                                if (++row < 3)
+                                                  return;
+                                                for_each_in<3, false>(runs, p, reach2, 0, visit);
+                                                row = 0;
+                                              });
+    if (row == 0)
+      return;
+    for (; row < 3; ++row)
+      runs.begin[row] = runs.end[row] = 0;
+    for_each_in<3, false>(runs, p, reach2, 0, visit);
   }
 
  private:
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_slot(Vec2<Real> p, int begin, int end,
-                                            Visit const& visit) const
+  /// Visits the hits among the first `rows` runs, 2 or 3.
+  template <int rows, bool by_id, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_in(Runs const& runs, Vec2<Real> p, Real reach2, int above,
+                                          Visit const& visit) const
   {
-    // Four tests without a branch between them, then one branch: hits are rare, and it is
-    // mispredicted branches that cost. The arrays are padded, so that four can always be read.
+    // The start of each run at once, and without a branch: what costs is mispredicted branches. The
+    // arrays are padded, so that so many can always be read. Written out for each run, or compilers
+    // do not find the vectors in it.
     constexpr int width = Discs<Space, Real>::padding;
-    for (int k = begin; k < end; k += width) {
-      Real distance2[width];
-      for (int lane = 0; lane < width; ++lane) {
-        auto const d = domain_.separation(p, discs_.position(k + lane));
-        distance2[lane] = dot(d, d);
-      }
-      unsigned hits = 0;
-      for (int lane = 0; lane < width; ++lane)
-        hits |= (distance2[lane] < reach2_ ? 1u : 0u) << lane;
-      if (hits != 0)
-        for (int lane = 0; lane < width && k + lane < end; ++lane)
-          if ((hits >> lane & 1u) != 0)
-            visit(k + lane, domain_.separation(p, discs_.position(k + lane)));
+    Real const* const x = discs_.x.data();
+    Real const* const y = discs_.y.data();
+    int const* const id = discs_.id.data();
+    auto const domain = domain_;
+    auto const near = [&](int k) {
+      auto const d = domain.separation(p, {x[k], y[k]});
+      bool const close = dot(d, d) < reach2;
+      if constexpr (by_id)
+        return close & (id[k] > above);
+      else
+        return close;
+    };
+    int const begin_0 = runs.begin[0], begin_1 = runs.begin[1];
+    int const size_0 = runs.end[0] - begin_0, size_1 = runs.end[1] - begin_1;
+    int const begin_2 = rows > 2 ? runs.begin[2] : 0, size_2 = rows > 2 ? runs.end[2] - begin_2 : 0;
+    unsigned hits = 0;
+#pragma omp simd reduction(| : hits)
+    for (int lane = 0; lane < width; ++lane) {
+      hits |= near(begin_0 + lane) & (lane < size_0) ? 1u << lane : 0u;
+      hits |= near(begin_1 + lane) & (lane < size_1) ? 1u << width << lane : 0u;
+      if constexpr (rows > 2)
+        hits |= near(begin_2 + lane) & (lane < size_2) ? 1u << 2 * width << lane : 0u;
     }
+    while (hits != 0) {
+      int const bit = lowest_bit(hits);
+      hits &= hits - 1;
+      int const k = runs.begin[bit / width] + bit % width;
+      visit(k, domain.separation(p, {x[k], y[k]}));
+    }
+    if (size_0 > width || size_1 > width || size_2 > width)
+      for (int row = 0; row < rows; ++row)
+        for (int k = runs.begin[row] + width; k < runs.end[row]; ++k)
+          if (near(k))
+            visit(k, domain.separation(p, {x[k], y[k]}));
   }
 
   Discs<Space, Real> discs_;
   Cells<Space> cells_;
   Domain<Real, periodic> domain_;
-  Real reach2_;
-  double search_;
+  double rounding_;
 };
 
 } // namespace ricochet

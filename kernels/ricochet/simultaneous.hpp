@@ -17,7 +17,7 @@ namespace ricochet {
 template <class Space, class Real, class LawType, bool periodic>
 struct LastPartnerWins {
   PairState<Space, Real, periodic> state;
-  Kokkos::View<Real*, typename Space::memory_space> new_vx, new_vy;
+  Neighbours<Space, Real, periodic> neighbours;
   LawType law;
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
@@ -26,18 +26,21 @@ struct LastPartnerWins {
     auto const p = discs.position(i);
     auto const v = discs.velocity(i);
     int const id = discs.id(i);
-    new_vx(i) = v.x;
-    new_vy(i) = v.y;
-    if (state.contacts(id) == contact::none)
-      return;
+    state.spare.set_velocity(i, v);
 
     int last = -1;
     PairVelocity<Real> before{v, v}, after{v, v};
     Vec2<Real> separation{0, 0};
-    state.neighbours.for_each(p, [&](int k, Vec2<Real> d) {
+    Real const reach2 = state.diameter * state.diameter;
+    neighbours.for_each_around(state.cell(i), p, reach2, -1, [&](int k, Vec2<Real> d) {
+      if (k == i)
+        return;
+      Real const distance = sqrt(dot(d, d));
+      double const depth = overlap(distance, state.diameter);
+      books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
       if (discs.position(k) == p && discs.velocity(k) == v)
-        return; // among the discs in the same state is this disc itself
-      auto const normal = contact_normal(d, sqrt(dot(d, d)));
+        return; // discs in the same state ignore each other
+      auto const normal = contact_normal(d, distance);
       PairVelocity<Real> const pair{v, discs.velocity(k)};
       auto const result = law(normal, pair);
       if (discs.id(k) > id) {
@@ -54,8 +57,7 @@ struct LastPartnerWins {
     });
     if (last < 0)
       return;
-    new_vx(i) = after.first.x;
-    new_vy(i) = after.first.y;
+    state.spare.set_velocity(i, after.first);
 
     // This disc's half of the pair's loss is the law's; what the disc gains beyond that is the
     // method's doing, and nothing where the partner's last partner is this disc.
@@ -73,10 +75,7 @@ struct LastPartnerWins {
 template <class Space, class Real>
 class SimultaneousPairs {
  public:
-  SimultaneousPairs(Cells<Space> const&, int discs)
-    : new_vx_(uninitialised<Reals>("ricochet::new_vx", discs)),
-      new_vy_(uninitialised<Reals>("ricochet::new_vy", discs)),
-      books_("ricochet::pair_books")
+  SimultaneousPairs(CellGrid<Space, Real> const&, Execution, int) : books_("ricochet::pair_books")
   {
   }
 
@@ -86,17 +85,16 @@ class SimultaneousPairs {
   {
     Kokkos::parallel_reduce(
         "ricochet::last_partner_wins", Kokkos::RangePolicy<Space>(space, 0, state.discs.count()),
-        LastPartnerWins<Space, Real, LawType, periodic>{state, new_vx_, new_vy_, law},
+        LastPartnerWins<Space, Real, LawType, periodic>{state, state.neighbours(), law},
         Merge<Books, Space>(books_));
     enter<Space>(space, state.books, books_);
-    Kokkos::deep_copy(space, state.discs.vx, new_vx_);
-    Kokkos::deep_copy(space, state.discs.vy, new_vy_);
+    Kokkos::deep_copy(space, state.discs.vx, state.spare.vx);
+    Kokkos::deep_copy(space, state.discs.vy, state.spare.vy);
   }
 
- private:
-  using Reals = Kokkos::View<Real*, typename Space::memory_space>;
+  ExecutionCounts executions() const { return {}; }
 
-  Reals new_vx_, new_vy_;
+ private:
   BooksView<Space> books_;
 };
 

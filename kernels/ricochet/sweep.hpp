@@ -2,221 +2,297 @@
 //
 // The original tests all pairs (i, j), i < j, row by row, and changes the discs in place:
 // velocities of both follow the contact law, and disc j is pushed out of the overlap along the
-// normal. Two facts make this cheap without changing a bit of it:
-//  - Row i moves only discs j > i, so disc i stands still during its row, and which partners it has
-//    is fixed when the row starts.
-//  - A pair that overlaps when its turn comes did so at the start of the step, or became so when
-//    one of the two was last pushed. So it suffices to visit the rows that overlapped at the start
-//    and, after each push, those of the pushed disc's new contacts.
+// normal. Row i moves only discs j > i, so disc i stands still during its row, and restricted to
+// one disc the order is that of its partners' ids.
+//
+// Here the loop runs in parallel, with every bit of the result:
+//  1. Discs that overlap are united to islands.
+//  2. Each island is executed as the original would, alone.
+//  3. What was pushed is compared with its surroundings, at the time of each pair's row. Islands
+//  that
+//     met are united, taken back and executed again, until none meets another. Then every pair has
+//     had its turn: inside an island in order, and between islands no pair overlapped in its turn.
+// Islands too large for one work item are a crowd, executed by one thread; where the crowd holds
+// too many of the discs, one thread executes the loop as it is written.
 #pragma once
 
-#include "ricochet/contact_law.hpp"
-#include "ricochet/contacts.hpp"
+#include "ricochet/sweep_in_order.hpp"
+#include "ricochet/sweep_islands.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace ricochet {
-
-/// The discs of each cell as doubly linked lists, which follow discs that are pushed about.
-template <class Space>
-struct CellLists {
-  using Ints = Kokkos::View<int*, typename Space::memory_space>;
-
-  Ints first;          ///< first disc of each cell, or none, by slot
-  Ints next, previous; ///< in the list of its cell, or none, by slot
-  Ints cell;           ///< cell of each disc, by slot
-  static constexpr int none = -1;
-
-  CellLists(int cells, int discs)
-    : first(uninitialised<Ints>("ricochet::first_in_cell", cells)),
-      next(uninitialised<Ints>("ricochet::next_in_cell", discs)),
-      previous(uninitialised<Ints>("ricochet::previous_in_cell", discs)),
-      cell(uninitialised<Ints>("ricochet::listed_cell", discs))
-  {
-  }
-
-  /// Lists the discs of cell `c` as they are stored.
-  KOKKOS_INLINE_FUNCTION void fill(Cells<Space> const& cells, int c) const
-  {
-    int const begin = cells.start(c), end = cells.start(c + 1);
-    first(c) = begin < end ? begin : none;
-    for (int slot = begin; slot < end; ++slot) {
-      previous(slot) = slot > begin ? slot - 1 : none;
-      next(slot) = slot + 1 < end ? slot + 1 : none;
-      cell(slot) = c;
-    }
-  }
-
-  /// Notes that disc `slot` is now in cell `c`.
-  KOKKOS_INLINE_FUNCTION void move(int slot, int c) const
-  {
-    if (cell(slot) == c)
-      return;
-    if (previous(slot) != none)
-      next(previous(slot)) = next(slot);
-    else
-      first(cell(slot)) = next(slot);
-    if (next(slot) != none)
-      previous(next(slot)) = previous(slot);
-
-    if (first(c) != none)
-      previous(first(c)) = slot;
-    next(slot) = first(c);
-    previous(slot) = none;
-    first(c) = slot;
-    cell(slot) = c;
-  }
-};
-
-/// All rows in order, by one thread.
-template <class Space, class Real, class LawType, bool periodic>
-struct ResolveInOrder {
-  PairState<Space, Real, periodic> state; ///< rows still to come are marked in its contacts
-  CellLists<Space> lists;
-  LawType law;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int) const
-  {
-    Books books;
-    int const n = state.discs.count();
-    int flagged = 0;
-    for (int id = 0; id < n; ++id)
-      flagged += has_higher_partner(id) ? 1 : 0;
-    // Where most rows have partners anyway, looking at all of them is cheaper than finding out
-    // after each push which are to be looked at.
-    bool const every_row = flagged > n / 4;
-    for (int id = 0; id < n; ++id)
-      if (every_row || has_higher_partner(id))
-        resolve_row(id, !every_row, books);
-    state.books().merge(books);
-  }
-
- private:
-  /// The partners of a row that come next: the lowest ids above those done so far.
-  struct Batch {
-    static constexpr int capacity = 16;
-    int id[capacity], slot[capacity];
-    int size = 0;
-
-    KOKKOS_INLINE_FUNCTION void insert(int new_id, int new_slot)
-    {
-      int at = size;
-      while (at > 0 && id[at - 1] > new_id)
-        --at;
-      if (at == capacity)
-        return;
-      size = size < capacity ? size + 1 : capacity;
-      for (int k = size - 1; k > at; --k) {
-        id[k] = id[k - 1];
-        slot[k] = slot[k - 1];
-      }
-      id[at] = new_id;
-      slot[at] = new_slot;
-    }
-  };
-
-  KOKKOS_INLINE_FUNCTION bool has_higher_partner(int id) const
-  {
-    return (state.contacts(id) & contact::with_higher_id) != 0;
-  }
-
-  KOKKOS_INLINE_FUNCTION void resolve_row(int id, bool mark, Books& books) const
-  {
-    int const i = state.slot_of_id(id);
-    int done = id;
-    for (bool more = true; more;) {
-      Batch batch;
-      for_overlapping(i, done, [&](int k_id, int k) { batch.insert(k_id, k); });
-      for (int k = 0; k < batch.size; ++k) {
-        collide(i, batch.slot[k], books);
-        if (mark)
-          mark_new_contacts(id, batch.slot[k]);
-      }
-      more = batch.size == Batch::capacity;
-      done = more ? batch.id[batch.size - 1] : done;
-    }
-  }
-
-  /// Both velocities follow the law; the second disc is pushed out of the overlap.
-  KOKKOS_INLINE_FUNCTION void collide(int i, int j, Books& books) const
-  {
-    auto const separation =
-        state.domain.separation(state.discs.position(i), state.discs.position(j));
-    Real const distance = sqrt(dot(separation, separation));
-    auto const normal = contact_normal(separation, distance);
-    PairVelocity<Real> const before{state.discs.velocity(i), state.discs.velocity(j)};
-    auto const after = law(normal, before);
-    state.discs.set_velocity(i, after.first);
-    state.discs.set_velocity(j, after.second);
-
-    auto const from = state.discs.position(j);
-    auto const to = from + (state.diameter - distance) * normal;
-    state.discs.set_position(j, state.domain.wrapped(to));
-    lists.move(j, state.cells.at(state.discs.position(j)));
-
-    ++books.collisions;
-    if (dot(before.second - before.first, normal) >= 0)
-      ++books.separating_hits;
-    enter_collision(before, after, separation, state.scales, books);
-    books.numerical.add(state.gravity * (static_cast<double>(to.y) - static_cast<double>(from.y)),
-                        state.scales.energy);
-  }
-
-  /// Marks the rows, later than `row`, of all pairs of disc `j` with a disc it now overlaps.
-  KOKKOS_INLINE_FUNCTION void mark_new_contacts(int row, int j) const
-  {
-    int const id = state.discs.id(j);
-    for_overlapping(j, row, [&](int k_id, int) {
-      state.contacts(k_id < id ? k_id : id) |= contact::with_higher_id;
-    });
-  }
-
-  /// Calls visit(id, slot) for every other disc with an id above `above` that overlaps disc `i`
-  /// now.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_overlapping(int i, int above, Visit const& visit) const
-  {
-    // Plain local variables: what is written to the discs in between cannot change them.
-    auto const domain = state.domain;
-    Real const reach = state.diameter * state.diameter;
-    Real const* const x = state.discs.x.data();
-    Real const* const y = state.discs.y.data();
-    int const* const id = state.discs.id.data();
-    int const* const first_in = lists.first.data();
-    int const* const next = lists.next.data();
-    auto const p = state.discs.position(i);
-    state.neighbours.for_blocks_near(p, [&](int first, int last) {
-      for (int c = first; c <= last; ++c)
-        for (int k = first_in[c]; k != CellLists<Space>::none; k = next[k]) {
-          if (id[k] <= above || k == i)
-            continue;
-          auto const d = domain.separation(p, {x[k], y[k]});
-          if (dot(d, d) < reach)
-            visit(id[k], k);
-        }
-    });
-  }
-};
 
 /// Pair step of engine `sweep`.
 template <class Space, class Real>
 class OrderedPairs {
  public:
-  OrderedPairs(Cells<Space> const& cells, int discs) : lists_(cells.count(), discs) {}
+  OrderedPairs(CellGrid<Space, Real> const& grid, Execution execution, int discs)
+    : execution_(execution),
+      strays_(grid),
+      islands_(discs),
+      tally_("ricochet::tally", discs),
+      part_("ricochet::part_of_pair_books")
+  {
+  }
 
   template <class LawType, bool periodic>
   void resolve(Space const& space, PairState<Space, Real, periodic> const& state,
-               LawType const& law)
-  {
-    auto const lists = lists_;
-    auto const cells = state.cells;
-    Kokkos::parallel_for(
-        "ricochet::list_cells", Kokkos::RangePolicy<Space>(space, 0, cells.count()),
-        KOKKOS_LAMBDA(int c) { lists.fill(cells, c); });
-    Kokkos::parallel_for("ricochet::resolve_in_order", Kokkos::RangePolicy<Space>(space, 0, 1),
-                         ResolveInOrder<Space, Real, LawType, periodic>{state, lists_, law});
-  }
+               LawType const& law);
+
+  /// How the pair steps so far were executed.
+  ExecutionCounts executions() const { return executions_; }
 
  private:
-  CellLists<Space> lists_;
+  using Range = Kokkos::RangePolicy<Space>;
+  using Counts = typename Islands<Space>::Counts;
+
+  /// A crowd of more than this part of the discs is not worth its islands, nor is a state that
+  /// needs more passes than this.
+  static constexpr int crowded = 4, most_passes = 12;
+  /// After a step that was not, steps are taken in order for a while, twice as long each time.
+  static constexpr int longest_pause = 32;
+
+ public: // nvcc takes device lambdas only from public functions
+  template <bool periodic>
+  int find_islands(Space const& space, PairState<Space, Real, periodic> const& state);
+  template <class LawType, bool periodic>
+  bool resolve_islands(Space const& space,
+                       OrderedContact<Space, Real, LawType, periodic> const& contact);
+  template <class LawType, bool periodic>
+  float execute_islands(Space const& space,
+                        OrderedContact<Space, Real, LawType, periodic> const& contact, int islands);
+  template <class LawType, bool periodic>
+  float execute_crowd(Space const& space,
+                      OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd);
+  template <bool periodic>
+  Counts verify(Space const& space, PairState<Space, Real, periodic> const& state, int islands,
+                int crowd, bool all, float longest);
+  void take_back(Space const& space, int wrong);
+  template <class LawType, bool periodic>
+  void resolve_in_order(Space const& space,
+                        OrderedContact<Space, Real, LawType, periodic> const& contact,
+                        bool everyone);
+
+ private:
+  Counts counts(Space const& space) const
+  {
+    Counts counts;
+    space.fence();
+    Kokkos::deep_copy(counts, islands_.counts);
+    return counts;
+  }
+
+  Execution execution_;
+  Strays<Space> strays_;
+  Islands<Space> islands_;
+  Kokkos::View<Tally*, typename Space::memory_space> tally_; ///< all zero between steps
+  BooksView<Space> part_;
+  int pause_ = 0, steps_to_pause_ = 0;
+  ExecutionCounts executions_;
 };
+
+template <class Space, class Real>
+template <class LawType, bool periodic>
+void OrderedPairs<Space, Real>::resolve(Space const& space,
+                                        PairState<Space, Real, periodic> const& state,
+                                        LawType const& law)
+{
+  OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, law};
+  Range const all(space, 0, state.discs.count());
+  if (execution_ == Execution::in_order || steps_to_pause_ > 0) {
+    --steps_to_pause_;
+    resolve_in_order(space, contact, true);
+  } else if (resolve_islands(space, contact)) {
+    pause_ = 0;
+  } else {
+    pause_ = std::min(std::max(2 * pause_, 1), longest_pause);
+    steps_to_pause_ = pause_;
+    Kokkos::deep_copy(space, islands_.is_wrong, 0);
+    Kokkos::parallel_for("ricochet::take_back_all", all, TakeBack<Space>{tally_, islands_.pushes});
+    resolve_in_order(space, contact, true);
+  }
+  Kokkos::parallel_reduce("ricochet::conclude", all, Conclude<Space, Real, periodic>{state, tally_},
+                          Merge<Books, Space>(part_));
+  enter<Space>(space, state.books, part_);
+}
+
+/// Resolves all contacts by islands. Returns false, with the state half done, where that does not
+/// pay.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+bool OrderedPairs<Space, Real>::resolve_islands(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact)
+{
+  auto const& state = contact.state;
+  bool const any_size = execution_ != Execution::automatic;
+  int islands = find_islands(space, state);
+  float longest = 0;
+  int crowd = 0; // as it was last executed
+  Counts found;
+  for (int pass = 1; islands > 0 || found.crowd_wrong != 0; ++pass) {
+    if (!any_size && pass > most_passes)
+      return false;
+    longest = std::max(longest, execute_islands(space, contact, islands));
+    bool const again = found.crowd_wrong != 0;
+    found = counts(space);
+    if (!any_size && found.crowd > state.discs.count() / crowded)
+      return false;
+    int crowd_to_verify = 0;
+    if (again || found.crowd > crowd) {
+      crowd_to_verify = crowd = found.crowd;
+      longest = std::max(longest, execute_crowd(space, contact, crowd));
+    }
+    found = verify(space, state, islands, crowd_to_verify, pass == 1, longest);
+    islands = found.wrong;
+    take_back(space, islands);
+  }
+  ++(crowd > 0 ? executions_.crowd : executions_.islands);
+  return true;
+}
+
+/// Unites discs that overlap, and lists the islands of more than one disc. Returns their number.
+template <class Space, class Real>
+template <bool periodic>
+int OrderedPairs<Space, Real>::find_islands(Space const& space,
+                                            PairState<Space, Real, periodic> const& state)
+{
+  auto const islands = islands_;
+  int const n = state.discs.count();
+  Kokkos::parallel_for(
+      "ricochet::reset_islands", Range(space, 0, n + 1),
+      KOKKOS_LAMBDA(int node) { islands.reset(node); });
+  Kokkos::parallel_for(
+      "ricochet::unite_overlapping", Range(space, 0, n),
+      UniteOverlapping<Space, Real, periodic>{state, state.neighbours(), islands.forest});
+  Kokkos::parallel_for(
+      "ricochet::join_islands", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+        int const node = Islands<Space>::node(slot), root = islands.forest.root(node);
+        islands.of_disc(slot) = root;
+        if (root != node)
+          islands.members.append(root, slot);
+      });
+  int found = 0;
+  Kokkos::parallel_scan(
+      "ricochet::list_islands", Range(space, 1, n + 1),
+      KOKKOS_LAMBDA(int node, int& before, bool final) {
+        if (islands.members.first(node) == Chains<Space>::none)
+          return;
+        if (final)
+          islands.list(before) = node;
+        ++before;
+      },
+      found);
+  return found;
+}
+
+/// Executes the islands of the list. Returns the longest path of a disc in them.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+float OrderedPairs<Space, Real>::execute_islands(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int islands)
+{
+  int const largest = execution_ == Execution::crowd ? 1 : island_limit;
+  float longest = 0;
+  Kokkos::parallel_reduce("ricochet::execute_islands", Range(space, 0, islands),
+                          ExecuteIsland<Space, Real, LawType, periodic>{contact, islands_, largest},
+                          Kokkos::Max<float>(longest));
+  return longest;
+}
+
+/// Executes the crowd, from the start. Returns the longest path of a disc in it.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+float OrderedPairs<Space, Real>::execute_crowd(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd)
+{
+  auto const islands = islands_;
+  TakeBack<Space> const take_back{tally_, islands.pushes};
+  Kokkos::parallel_for(
+      "ricochet::start_crowd", Range(space, 0, crowd), KOKKOS_LAMBDA(int k) {
+        take_back(islands.crowd(k));
+        contact.take(islands.crowd(k));
+      });
+  resolve_in_order(space, contact, false);
+  float longest = 0;
+  Kokkos::parallel_reduce(
+      "ricochet::longest_path_in_crowd", Range(space, 0, crowd),
+      KOKKOS_LAMBDA(int k, float& most) {
+        float const path = islands.pushes(islands.crowd(k)).path;
+        most = most < path ? path : most;
+      },
+      Kokkos::Max<float>(longest));
+  return longest;
+}
+
+/// Verifies what was executed in this pass. Returns what was found.
+template <class Space, class Real>
+template <bool periodic>
+typename OrderedPairs<Space, Real>::Counts
+OrderedPairs<Space, Real>::verify(Space const& space, PairState<Space, Real, periodic> const& state,
+                                  int islands, int crowd, bool all, float longest)
+{
+  Verify<Space, Real, periodic> const verify{state, state.neighbours(), islands_, all,
+                                             static_cast<double>(longest)};
+  auto const all_islands = islands_;
+  Kokkos::parallel_for(
+      "ricochet::forget_wrong_islands", Range(space, 0, 1),
+      KOKKOS_LAMBDA(int) { all_islands.forget_wrong(); });
+  Kokkos::parallel_for(
+      "ricochet::verify_islands", Range(space, 0, islands), KOKKOS_LAMBDA(int k) {
+        int const root = all_islands.list(k);
+        if (all_islands.of_disc(root - 1) == root) // or it was executed as part of another
+          all_islands.for_members(root, [&](int slot) { verify.disc(slot); });
+      });
+  Kokkos::parallel_for(
+      "ricochet::verify_crowd", Range(space, 0, crowd),
+      KOKKOS_LAMBDA(int k) { verify.disc(all_islands.crowd(k)); });
+  return counts(space);
+}
+
+/// Takes back what was done to the islands that were found wrong, and makes them the list.
+template <class Space, class Real>
+void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
+{
+  if (wrong == 0)
+    return;
+  std::swap(islands_.list, islands_.wrong);
+  auto const islands = islands_;
+  TakeBack<Space> const take_back{tally_, islands.pushes};
+  Kokkos::parallel_for(
+      "ricochet::take_back_islands", Range(space, 0, wrong), KOKKOS_LAMBDA(int k) {
+        int const node = islands.list(k), root = islands.forest.root(node);
+        islands.for_members(node, [&](int slot) {
+          take_back(slot);
+          islands.of_disc(slot) = root;
+        });
+      });
+  Kokkos::parallel_for(
+      "ricochet::merge_islands", Range(space, 0, wrong), KOKKOS_LAMBDA(int k) {
+        int const node = islands.list(k), root = islands.forest.root(node);
+        if (root != node)
+          islands.for_members(node, [&](int slot) { islands.add_member(root, slot); });
+      });
+}
+
+/// Executes the loop as it is written, for everyone or for the crowd.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+void OrderedPairs<Space, Real>::resolve_in_order(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
+    bool everyone)
+{
+  if (everyone) {
+    ++executions_.in_order;
+    Kokkos::parallel_for(
+        "ricochet::start_everyone", Range(space, 0, contact.state.discs.count()),
+        KOKKOS_LAMBDA(int slot) { contact.take(slot); });
+  }
+  strays_.clear(space);
+  Kokkos::parallel_for(
+      "ricochet::resolve_in_order", Range(space, 0, 1),
+      ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, islands_, everyone));
+}
 
 } // namespace ricochet

@@ -6,7 +6,36 @@
 #include "ricochet/domain.hpp"
 #include "ricochet/model.hpp"
 
+#include <limits>
+
 namespace ricochet {
+
+/// How far a disc's edge is beyond a wall [diameters]; negative inside. A periodic axis has no
+/// walls.
+struct Outside {
+  double high_x, high_y, radius, diameter;
+
+  explicit Outside(Model const& model)
+    : high_x(model.box.x == Boundary::walls ? model.box.width / 2
+                                            : std::numeric_limits<double>::infinity()),
+      high_y(model.box.y == Boundary::walls ? model.box.height / 2
+                                            : std::numeric_limits<double>::infinity()),
+      radius(model.radius),
+      diameter(2 * model.radius)
+  {
+  }
+
+  /// Raises `farthest` to that of a disc at `p`.
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION void enter(Vec2<Real> p, double& farthest) const
+  {
+    double const x = fabs(static_cast<double>(p.x)) + radius - high_x;
+    double const y = fabs(static_cast<double>(p.y)) + radius - high_y;
+    double const beyond = (x > y ? x : y);
+    if (beyond > 0 && beyond / diameter > farthest)
+      farthest = beyond / diameter;
+  }
+};
 
 /// One wall's rule: the position is mirrored at the wall, the normal velocity multiplied by -alpha
 /// and the tangential velocity by beta.
@@ -40,6 +69,7 @@ struct BounceOffWalls {
   WallRule<Real, dissipative> rule;
   Real high_x, high_y; ///< the right and the top wall; the others are opposite
   Real radius;
+  Outside outside;
   double gravity;
   Scales scales;
 
@@ -74,6 +104,7 @@ struct BounceOffWalls {
                                      : Vec2<Real>{rule.tangential(v.x), rule.normal(v.y)};
       discs.set_velocity(i, after);
       ++books.wall_hits;
+      outside.enter(mirrored, books.max_outside); // nobody else can be
       books.lost_walls.add(kinetic_energy(v) - kinetic_energy(after), scales.energy);
       books.numerical.add(gravity * (static_cast<double>(mirrored.y) - static_cast<double>(p.y)),
                           scales.energy);
@@ -98,6 +129,7 @@ void bounce_off_walls(Space const& space, Discs<Space, Real> const& discs, Model
         static_cast<Real>(model.box.width / 2),
         static_cast<Real>(model.box.height / 2),
         static_cast<Real>(model.radius),
+        Outside(model),
         model.gravity,
         scales};
     Kokkos::parallel_reduce("ricochet::bounce_off_walls",

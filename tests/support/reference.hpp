@@ -16,6 +16,7 @@ struct Books {
   std::int64_t collisions = 0;
   std::int64_t separating_hits = 0;
   std::int64_t wall_hits = 0;
+  double max_overlap = 0;     ///< when a contact had its turn [diameters]
   long double lost_pairs = 0; ///< `simultaneous`: half the law's loss for each disc that responds
   long double lost_walls = 0;
   long double numerical = 0;
@@ -45,6 +46,7 @@ class Reference {
   void resolve_pairs_in_order(Law const& law);
   template <class Law>
   void resolve_pairs_simultaneously(Law const& law);
+  void note_overlap(Real distance);
   void move();
   void bounce_off_walls();
   void wrap(Disc& disc) const;

@@ -67,9 +67,10 @@ std::ostream& operator<<(std::ostream& out, Way const& way)
 
 Run start(Scene const& scene, Way const& way)
 {
-  return {
-      make_engine(scene.model, {way.engine, way.precision, scene.dt, way.placement}, scene.discs),
-      scene.discs.size()};
+  return {make_engine(scene.model,
+                      {way.engine, way.precision, scene.dt, way.placement, way.execution},
+                      scene.discs),
+          scene.discs.size()};
 }
 
 std::vector<DiscState> states(Run const& run)

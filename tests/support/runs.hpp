@@ -16,6 +16,7 @@ struct Way {
   EngineKind engine;
   Precision precision;
   Placement placement;
+  Execution execution = Execution::automatic;
 };
 
 std::vector<Way> const& all_ways();

@@ -1,0 +1,114 @@
+// One contact of the ordered loop, and what is noted about it.
+#pragma once
+
+#include "ricochet/contacts.hpp"
+
+#include <limits>
+
+namespace ricochet {
+
+/// What befell one disc in a pair step. A disc's contacts have the same order however the loop is
+/// executed, so this is the same, bit for bit, and the books are made up of it afterwards.
+struct Tally {
+  double virial = 0;  ///< of the contacts in which it was the second disc
+  double deepest = 0; ///< overlap of those [diameters]
+  int contacts = 0;   ///< in either role
+  int received = 0;   ///< as the second disc
+  int separating = 0; ///< of those, without approach
+};
+
+/// When, and how far, a disc was pushed in a pair step.
+struct Pushes {
+  static constexpr int never = std::numeric_limits<int>::max();
+
+  int first_row = never; ///< id of the disc that pushed it first
+  int last_row = -1;     ///< and last
+  float path = 0;        ///< length of its way, not rounded down [length]
+
+  KOKKOS_INLINE_FUNCTION void add(int row, double length)
+  {
+    first_row = row < first_row ? row : first_row;
+    last_row = row;
+    // More than rounding takes away, here and in the positions.
+    path = static_cast<float>((static_cast<double>(path) + length) * (1 + 1e-6) + 1e-37);
+  }
+};
+
+/// The response of two overlapping discs, i before j in the order of ids: both velocities follow
+/// the law, and j is pushed along the normal until the two just touch.
+///
+/// It works on a copy, in the spare memory, of the discs that take part, so that what turns out to
+/// be premature can be taken back.
+template <class Space, class Real, class LawType, bool periodic>
+struct OrderedContact {
+  PairState<Space, Real, periodic> state;
+  Kokkos::View<Tally*, typename Space::memory_space> tally;
+  LawType law;
+
+  /// Copies a disc that is to take part.
+  KOKKOS_INLINE_FUNCTION void take(int slot) const
+  {
+    state.spare.set_position(slot, state.discs.position(slot));
+    state.spare.set_velocity(slot, state.discs.velocity(slot));
+  }
+
+  /// Returns by how much j was pushed.
+  KOKKOS_INLINE_FUNCTION Real operator()(int i, int j) const
+  {
+    auto const& discs = state.spare;
+    auto const from = discs.position(j);
+    auto const separation = state.domain.separation(discs.position(i), from);
+    Real const distance = sqrt(dot(separation, separation));
+    auto const normal = contact_normal(separation, distance);
+    PairVelocity<Real> const before{discs.velocity(i), discs.velocity(j)};
+    auto const after = law(normal, before);
+    Real const push = state.diameter - distance;
+    discs.set_velocity(i, after.first);
+    discs.set_velocity(j, after.second);
+    discs.set_position(j, state.domain.wrapped(from + push * normal));
+
+    ++tally(i).contacts;
+    Tally& second = tally(j);
+    double const depth = overlap(distance, state.diameter);
+    second.virial += virial_of(before, after, separation);
+    second.deepest = depth > second.deepest ? depth : second.deepest;
+    ++second.contacts;
+    ++second.received;
+    second.separating += dot(before.second - before.first, normal) >= 0 ? 1 : 0;
+    return push;
+  }
+};
+
+/// Ends a pair step: takes over what was done to the discs that had contacts, and makes up the
+/// books.
+template <class Space, class Real, bool periodic>
+struct Conclude {
+  PairState<Space, Real, periodic> state;
+  Kokkos::View<Tally*, typename Space::memory_space> tally;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int slot, Books& books) const
+  {
+    Tally const own = tally(slot);
+    if (own.contacts == 0)
+      return;
+    tally(slot) = Tally{};
+    auto const velocity = state.spare.velocity(slot);
+    // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
+    // over its pushes.
+    books.lost_pairs.add(kinetic_energy(state.discs.velocity(slot)) - kinetic_energy(velocity),
+                         state.scales.energy);
+    state.discs.set_velocity(slot, velocity);
+    if (own.received == 0)
+      return;
+    auto const position = state.spare.position(slot);
+    double const rise = static_cast<double>(position.y) - static_cast<double>(state.discs.y(slot));
+    books.numerical.add(state.gravity * rise, state.scales.energy);
+    books.virial.add(own.virial, state.scales.virial);
+    books.collisions += own.received;
+    books.separating_hits += own.separating;
+    books.max_overlap = own.deepest > books.max_overlap ? own.deepest : books.max_overlap;
+    state.discs.set_position(slot, position);
+  }
+};
+
+} // namespace ricochet

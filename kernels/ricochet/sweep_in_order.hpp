@@ -1,0 +1,185 @@
+// The ordered loop as it is written, by one thread, at a cost about linear in the number of discs.
+#pragma once
+
+#include "ricochet/sweep_islands.hpp"
+
+namespace ricochet {
+
+/// Discs that were pushed too far from the cell they are stored in to be found there: lists by the
+/// cell they are in now.
+template <class Space>
+struct Strays {
+  using Ints = Kokkos::View<int*, typename Space::memory_space>;
+  static constexpr int not_astray = -2, none = -1;
+
+  Ints first; ///< in each cell, or none
+  Ints next;  ///< after each slot in its list, none, or not_astray
+  Ints cell;  ///< which list that is
+  /// Whether there ever was one in each cell or around it.
+  Kokkos::View<char*, typename Space::memory_space> near;
+
+  template <class Real>
+  explicit Strays(CellGrid<Space, Real> const& grid)
+    : first(uninitialised<Ints>("ricochet::first_stray", grid.cells().count())),
+      next(grid.scratch()),
+      cell(grid.more_scratch()),
+      near("ricochet::strays_near_cell", grid.cells().count())
+  {
+  }
+
+  void clear(Space const& space) const
+  {
+    Kokkos::deep_copy(space, first, none);
+    Kokkos::deep_copy(space, near, char{0});
+    Kokkos::deep_copy(space, next, not_astray);
+  }
+
+  KOKKOS_INLINE_FUNCTION bool is_astray(int slot) const { return next(slot) != not_astray; }
+
+  /// Notes that disc `slot` is now in cell `now`.
+  template <bool periodic>
+  KOKKOS_INLINE_FUNCTION void move(int slot, int now, Cells<Space> const& cells) const
+  {
+    if (is_astray(slot)) {
+      if (cell(slot) == now)
+        return;
+      remove(slot);
+    }
+    next(slot) = first(now);
+    first(now) = slot;
+    cell(slot) = now;
+    cells.template for_cells_around<periodic>(now, [&](int c) { near(c) = 1; });
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void remove(int slot) const
+  {
+    int* link = &first(cell(slot));
+    while (*link != slot)
+      link = &next(*link);
+    *link = next(slot);
+  }
+};
+
+/// All rows in order. A disc's row looks for its partners once: no pair of the row moves the disc,
+/// or another of its partners, before that partner's turn.
+template <class Space, class Real, class LawType, bool periodic>
+class ResolveInOrder {
+ public:
+  /// `everyone`, or only the crowd of `islands`, whose pushes are noted.
+  ResolveInOrder(OrderedContact<Space, Real, LawType, periodic> const& contact,
+                 Strays<Space> const& strays, Islands<Space> const& islands, bool everyone)
+    : contact_(contact),
+      neighbours_(contact.state.neighbours_among(contact.state.spare)),
+      strays_(strays),
+      islands_(islands),
+      everyone_(everyone)
+  {
+    auto const& state = contact.state;
+    double const reach = neighbours_.margin(static_cast<double>(state.diameter));
+    slack_x_ = 1 - reach * state.cells.x.per_length;
+    slack_y_ = 1 - reach * state.cells.y.per_length;
+  }
+
+  KOKKOS_INLINE_FUNCTION void operator()(int) const
+  {
+    int const n = contact_.state.discs.count();
+    for (int id = 0; id < n; ++id) {
+      int const slot = contact_.state.slot_of_id(id);
+      if (takes_part(slot))
+        resolve_row(id, slot);
+    }
+  }
+
+ private:
+  /// The partners of a row that come next: the lowest ids above those done so far.
+  struct Batch {
+    static constexpr int capacity = 16;
+    int id[capacity], slot[capacity];
+    int size = 0;
+
+    KOKKOS_INLINE_FUNCTION void insert(int new_id, int new_slot)
+    {
+      int at = size;
+      while (at > 0 && id[at - 1] > new_id)
+        --at;
+      if (at == capacity)
+        return;
+      size = size < capacity ? size + 1 : capacity;
+      for (int k = size - 1; k > at; --k) {
+        id[k] = id[k - 1];
+        slot[k] = slot[k - 1];
+      }
+      id[at] = new_id;
+      slot[at] = new_slot;
+    }
+  };
+
+  KOKKOS_INLINE_FUNCTION bool takes_part(int slot) const
+  {
+    return everyone_ || islands_.of_disc(slot) == 0;
+  }
+
+  KOKKOS_INLINE_FUNCTION void resolve_row(int id, int i) const
+  {
+    int done = id;
+    for (bool more = true; more;) {
+      Batch batch;
+      for_partners(i, done, [&](int k) { batch.insert(contact_.state.discs.id(k), k); });
+      for (int k = 0; k < batch.size; ++k) {
+        Real const push = contact_(i, batch.slot[k]);
+        if (!everyone_)
+          islands_.pushes(batch.slot[k]).add(id, static_cast<double>(push));
+        follow(batch.slot[k]);
+      }
+      more = batch.size == Batch::capacity;
+      done = more ? batch.id[batch.size - 1] : done;
+    }
+  }
+
+  /// Calls visit(slot) for every disc with an id above `above` that overlaps disc `i` now.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_partners(int i, int above, Visit const& visit) const
+  {
+    auto const& state = contact_.state;
+    auto const p = state.spare.position(i);
+    Real const reach2 = state.diameter * state.diameter;
+    int const cell = state.cells.at(p);
+    neighbours_.for_each_around(cell, p, reach2, above, [&](int k, Vec2<Real>) {
+      if (takes_part(k) && !strays_.is_astray(k))
+        visit(k);
+    });
+    if (strays_.near(cell) == 0)
+      return;
+    state.cells.template for_cells_around<periodic>(cell, [&](int c) {
+      for (int k = strays_.first(c); k != Strays<Space>::none; k = strays_.next(k)) {
+        auto const d = state.domain.separation(p, state.spare.position(k));
+        if (dot(d, d) < reach2 && state.discs.id(k) > above)
+          visit(k);
+      }
+    });
+  }
+
+  /// Sees to it that disc `j`, which was pushed, will be found where it is.
+  KOKKOS_INLINE_FUNCTION void follow(int j) const
+  {
+    auto const& cells = contact_.state.cells;
+    auto const p = contact_.state.spare.position(j);
+    int const now = cells.at(p), stored = contact_.state.cell(j);
+    bool const astray = strays_.is_astray(j);
+    if (now == stored && !astray)
+      return;
+    if (astray || cells.x.cells_away(static_cast<double>(p.x), cells.column(stored)) > slack_x_ ||
+        cells.y.cells_away(static_cast<double>(p.y), cells.row(stored)) > slack_y_)
+      strays_.template move<periodic>(j, now, cells);
+  }
+
+  OrderedContact<Space, Real, LawType, periodic> contact_;
+  Neighbours<Space, Real, periodic> neighbours_; ///< where they are now
+  Strays<Space> strays_;
+  Islands<Space> islands_;
+  bool everyone_;
+  double slack_x_, slack_y_; ///< how far from its cell a disc is found there [cells]
+};
+
+} // namespace ricochet
