@@ -9,9 +9,8 @@
 //  1. Discs that overlap are united to islands.
 //  2. Each island is executed as the original would, alone.
 //  3. What was pushed is compared with its surroundings, at the time of each pair's row. Islands
-//  that
-//     met are united, taken back and executed again, until none meets another. Then every pair has
-//     had its turn: inside an island in order, and between islands no pair overlapped in its turn.
+//     that met are united, taken back and executed again, until none meets another. Then every pair
+//     has had its turn: inside an island in order, and between islands none overlapped in its turn.
 // Islands too large for one work item are a crowd, executed by one thread; where the crowd holds
 // too many of the discs, one thread executes the loop as it is written.
 #pragma once
