@@ -148,14 +148,9 @@ void FixedStep<Space, Real, PairStep>::look_at_start()
   grid_.sort(space_, discs_);
   with_boundaries([&](auto periodic) {
     auto const state = pair_state<periodic>();
-    DeepestOverlap<Space, Real, periodic> const deepest_overlap{state, state.neighbours()};
-    Outside const outside(model_);
     Kokkos::parallel_reduce(
         "ricochet::look_at_start", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
-        KOKKOS_LAMBDA(int slot, Books& books) {
-          deepest_overlap(slot, books.max_overlap);
-          outside.enter(state.discs.position(slot), books.max_outside);
-        },
+        EnterExtremes<Space, Real, periodic>{state, state.neighbours(), Outside(model_)},
         Merge<Books, Space>(part_));
   });
   enter<Space>(space_, books_, part_);
