@@ -6,13 +6,29 @@
 
 namespace ricochet::driver {
 
-void ProblemList::add(std::string const& file, Place place, std::string const& problem,
-                      std::string const& suggestion)
+void ProblemList::add_line(std::string const& start, std::string const& problem,
+                           std::string const& suggestion)
 {
   ++count_;
   if (lines_.size() < shown)
-    lines_.push_back(fmt::format("{}:{}:{}: {}{}{}", file, place.line, place.column, problem,
-                                 suggestion.empty() ? "" : " ", suggestion));
+    lines_.push_back(
+        fmt::format("{}: {}{}{}", start, problem, suggestion.empty() ? "" : " ", suggestion));
+}
+
+void ProblemList::add(std::string const& file, Place place, std::string const& problem,
+                      std::string const& suggestion)
+{
+  in_a_file_ = true;
+  add_line(fmt::format("{}:{}:{}", file, place.line, place.column), problem, suggestion);
+}
+
+void ProblemList::add(Origin const& origin, std::string const& problem,
+                      std::string const& suggestion)
+{
+  if (!origin.place)
+    return add_line(origin.source, problem, suggestion);
+  add(origin.source, *origin.place,
+      origin.name.empty() ? problem : fmt::format("{}: {}", origin.name, problem), suggestion);
 }
 
 std::string ProblemList::text() const
@@ -25,8 +41,11 @@ std::string ProblemList::text() const
 
 void ProblemList::throw_if_any() const
 {
-  if (!empty())
+  if (empty())
+    return;
+  if (in_a_file_)
     throw BadScene(text());
+  throw Failure(Exit::usage, text());
 }
 
 } // namespace ricochet::driver

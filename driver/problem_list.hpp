@@ -1,8 +1,9 @@
-// Everything that is wrong with the input files, to be told at once.
+// Everything that is wrong with a scene, to be told at once.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,23 @@ struct Place {
   std::int64_t column = 1;
 };
 
-/// Collects problems in the form FILE:LINE:COLUMN: problem (why) suggestion.
+/// Where a setting stands, and as what.
+struct Origin {
+  std::string source;         ///< the file, or the option on the command line, such as "--dt"
+  std::optional<Place> place; ///< in the file; none on the command line
+  std::string name;           ///< how the setting is called in the file
+  std::string found;          ///< its value there
+};
+
+/// Collects problems in the form FILE:LINE:COLUMN: problem (why) suggestion, or --option: problem
+/// (why) suggestion.
 class ProblemList {
  public:
   static constexpr std::size_t shown = 20; ///< the others are only counted
 
   void add(std::string const& file, Place place, std::string const& problem,
            std::string const& suggestion = "");
+  void add(Origin const& origin, std::string const& problem, std::string const& suggestion = "");
 
   bool empty() const { return count_ == 0; }
   std::size_t count() const { return count_; }
@@ -28,12 +39,17 @@ class ProblemList {
   /// One problem a line, without a line end at the end.
   std::string text() const;
 
-  /// Throws BadScene with text() unless empty.
+  /// Throws Failure with text() unless empty: BadScene if a file has a share in it, else
+  /// Exit::usage.
   void throw_if_any() const;
 
  private:
+  void add_line(std::string const& start, std::string const& problem,
+                std::string const& suggestion);
+
   std::vector<std::string> lines_;
   std::size_t count_ = 0;
+  bool in_a_file_ = false;
 };
 
 } // namespace ricochet::driver

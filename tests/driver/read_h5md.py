@@ -61,7 +61,7 @@ def check_schema(path, frames, discs, fields, real, final):
         assert vmd["name"][0] == b"disc" and vmd["indexOfSpecies"][0] == 0
 
         for name in ("scene", "command_line", "provenance", "kokkos_configuration",
-                     "states_file", "initial_state_hash"):
+                     "initial_state_hash"):
             assert file["parameters"][name].shape == (), name
         positions = []
         file.visit(lambda name: positions.append(name) if name.endswith("/position") else None)
