@@ -24,7 +24,7 @@ struct Origin {
 };
 
 /// Collects problems in the form FILE:LINE:COLUMN: problem (why) suggestion, or --option: problem
-/// (why) suggestion.
+/// (why) suggestion; those of a file in the order of their places.
 class ProblemList {
  public:
   static constexpr std::size_t shown = 20; ///< the others are only counted
@@ -44,12 +44,14 @@ class ProblemList {
   void throw_if_any() const;
 
  private:
-  void add_line(std::string const& start, std::string const& problem,
-                std::string const& suggestion);
+  struct Line {
+    std::string source;
+    std::optional<Place> place;
+    std::string text;
+  };
 
-  std::vector<std::string> lines_;
+  std::vector<Line> lines_;
   std::size_t count_ = 0;
-  bool in_a_file_ = false;
 };
 
 } // namespace ricochet::driver

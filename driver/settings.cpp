@@ -139,7 +139,7 @@ Key real(char const* name, std::optional<double> Settings::*member, std::string 
 {
   auto const read = [=](Settings& s, Value const& value) -> std::optional<Complaint> {
     double number = 0;
-    if (auto const complaint = read_real(value, number))
+    if (auto complaint = read_real(value, number))
       return complaint;
     if (!is_good(number)) {
       auto const* const word = std::get_if<Word>(&value);
@@ -177,7 +177,7 @@ Key integer(char const* name, std::optional<std::int64_t> Settings::*member, std
 {
   auto const read = [=](Settings& s, Value const& value) -> std::optional<Complaint> {
     std::int64_t number = 0;
-    if (auto const complaint = read_integer(value, number))
+    if (auto complaint = read_integer(value, number))
       return complaint;
     if (number < least || number > most)
       return Complaint{fmt::format("found {}", number), ""};
