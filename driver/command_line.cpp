@@ -421,10 +421,6 @@ Command Reader::checked_run() const
   check_scene(o.scene);
   if (o.final_file == "-" && o.json == "-")
     wrong("--final - and --json - both ask for standard output: give one of them a file");
-  for (Override const& setting : o.scene.overrides)
-    if (setting.key == "output.file" && setting.value == "-")
-      wrong(setting.option +
-            ": found '-' (allowed: a file; a trajectory cannot go to standard output)");
   return o;
 }
 

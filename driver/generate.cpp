@@ -21,7 +21,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double densest_random = 0.5; // random placement comes to a stop at 0.547
-constexpr double densest = 0.9069;     // of all packings
 constexpr double rounding = 1e-12;     // of a diameter, by which discs of a lattice may be too near
 
 // Streams of random numbers of a seed.
@@ -180,14 +179,14 @@ class Generator {
     double const packing =
         settings_.packing.value_or(packing_fraction(model_, static_cast<std::size_t>(count_)));
     bool const is_random = *settings_.arrangement == Arrangement::random;
-    double const most = is_random ? densest_random : densest;
+    double const most = is_random ? densest_random : densest_packing;
     if (packing <= most)
       return true;
     problems_.add(amount(),
                   fmt::format("{} discs would cover {:.4g} of the box (allowed: up to {}{})",
                               count_, packing, most, is_random ? " at random places" : ""),
-                  is_random && packing <= densest ? "choose arrangement = \"triangular\""
-                                                  : "make the box larger");
+                  is_random && packing <= densest_packing ? "choose arrangement = \"triangular\""
+                                                          : "make the box larger");
     return false;
   }
 
@@ -299,6 +298,10 @@ Exit generate(GenerateOptions const& options)
                  fmt::format("{} pairs of discs overlap, discs {} and {} by {:.3g} (the deepest)",
                              overlaps.pairs, overlaps.first, overlaps.second, overlaps.deepest),
                  "--relax separates them");
+  if (overlaps.outside > 0)
+    problems.add(blame(scene.settings, "discs.states"),
+                 fmt::format("{} discs poke through a wall", overlaps.outside),
+                 "--relax moves them inside");
   std::string config;
   if (!options.config.empty())
     config = as_config(scene.settings, problems);

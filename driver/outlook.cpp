@@ -14,16 +14,15 @@ namespace ricochet::driver {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double freezing = 0.700;       // liquid-hexatic coexistence begins; Engel et al. 2013
-constexpr double densest = 0.9068996821; // pi / sqrt(12)
+constexpr double freezing = 0.700; // liquid-hexatic coexistence begins; Engel et al. 2013
 
 // Z - 1 of elastic discs: Luding's 2001 equation of state for the fluid, free volume above.
 double excess_pressure(double packing)
 {
-  if (packing >= densest)
+  if (packing >= densest_packing)
     return HUGE_VAL;
   if (packing >= freezing)
-    return 2 / (1 - packing / densest) - 1;
+    return 2 / (1 - packing / densest_packing) - 1;
   double const room = 1 - packing;
   double const at_contact = (1 - 7 * packing / 16) / (room * room) -
                             packing * packing * packing / (128 * room * room * room * room);
@@ -123,7 +122,7 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
                       "the discs of a fixed-step engine about {:.1g} % too small)",
                       o.step_in_sizes, 70 * o.step_in_sizes),
           fmt::format("dt = {:.2g} makes it 0.01", 0.01 * dt / o.step_in_sizes));
-  if (o.packing > densest)
+  if (o.packing > densest_packing)
     doubt(discs,
           fmt::format("the discs cover {:.4g} of the box (without overlaps at most 0.9069 is "
                       "possible)",

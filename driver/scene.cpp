@@ -50,8 +50,10 @@ void check_completeness(Settings const& settings, Purpose purpose, ProblemList& 
   if (settings.is_partial)
     return; // it may be there, misspelt
   if (!settings.states && !settings.count && !settings.packing && !any_wrong(settings, {"discs."}))
-    problems.add(settings.scene, {}, "found no discs (a scene has discs.states or discs.generate)",
-                 "add [discs.generate] with count = 100");
+    problems.add(settings.scene, {},
+                 "found no discs (discs.states names a file of them; discs.generate.count or "
+                 "packing_fraction makes them)",
+                 "add count = 100 below [discs.generate]");
   if (purpose == Purpose::run && !settings.engine && !any_wrong(settings, {"run.engine"})) {
     std::vector<std::string> names;
     for (EngineKind const kind : engine_kinds())
@@ -117,13 +119,19 @@ void set_times(Scene& scene, ProblemList& problems)
 void relax_discs(Scene& scene, ProblemList& problems)
 {
   double const diameter = 2 * scene.model.radius;
+  double const packing = packing_fraction(scene.model, scene.discs.size());
+  if (packing > densest_packing)
+    return problems.add(blame(scene.settings, "discs.relax"),
+                        fmt::format("the discs cover {:.4g} of the box (without overlaps at most "
+                                    "{} is possible)",
+                                    packing, densest_packing),
+                        "make the box larger");
   Relaxation const done = relax(scene.model, scene.discs);
   if (done.left.pairs > 0)
     problems.add(blame(scene.settings, "discs.relax"),
                  fmt::format("{} pairs of discs still overlap, by up to {:.2g} diameters, after {} "
                              "passes (the discs cover {:.4g} of the box)",
-                             done.left.pairs, done.left.deepest / diameter, done.passes,
-                             packing_fraction(scene.model, scene.discs.size())));
+                             done.left.pairs, done.left.deepest / diameter, done.passes, packing));
   scene.notes.push_back(
       done.moved == 0
           ? "relax: no disc overlapped anything"

@@ -212,7 +212,7 @@ Key boolean(char const* name, std::optional<bool> Settings::*member)
           clearer(member)};
 }
 
-Key file(char const* name, std::optional<std::string> Settings::*member,
+Key file(char const* name, std::optional<std::string> Settings::*member, char const* allowed,
          std::string const& rival = "")
 {
   auto const read = [=](Settings& s, Value const& value) -> std::optional<Complaint> {
@@ -221,10 +221,12 @@ Key file(char const* name, std::optional<std::string> Settings::*member,
       return not_a("a text", value);
     if (text->empty())
       return Complaint{"found no name", ""};
+    if (*text == "-")
+      return Complaint{"found '-'", ""};
     s.*member = *text;
     return {};
   };
-  return {name, "the name of a file", rival, read, printer(member, quoted), clearer(member)};
+  return {name, allowed, rival, read, printer(member, quoted), clearer(member)};
 }
 
 /// A key for one of a few names.
@@ -317,7 +319,7 @@ std::vector<Key> const& keys()
       choice("box.y", &S::y, boundaries),
       real("discs.radius", &S::radius, "a decimal number", anything),
       boolean("discs.relax", &S::relax),
-      file("discs.states", &S::states, "discs.generate"),
+      file("discs.states", &S::states, "the name of a file", "discs.generate"),
       integer("discs.generate.count", &S::count, 0, most_discs, "discs.generate.packing_fraction"),
       real("discs.generate.packing_fraction", &S::packing, "a decimal number > 0 and <= 0.9069",
            is_packing),
@@ -340,7 +342,7 @@ std::vector<Key> const& keys()
       choice("run.precision", &S::precision,
              by_name<Precision>({Precision::double_, Precision::single_})),
       real("run.measure_from", &S::measure_from, "a decimal number >= 0", not_negative),
-      file("output.file", &S::file),
+      file("output.file", &S::file, "a file; a trajectory cannot go to standard output"),
       integer("output.every", &S::every, 1, most_steps),
       real("output.every_time", &S::every_time, "a decimal number > 0", above_zero, "output.every"),
       fields(),

@@ -174,6 +174,7 @@ TEST(Generate, ALatticeFillsItsBoxToTheClosestPacking)
     EXPECT_EQ(problems.text(), "");
     EXPECT_EQ(discs.size(), 120u);
     EXPECT_EQ(overlapping_pairs(model_of(s), discs), 0);
+    EXPECT_EQ(find_overlaps(model_of(s), discs).outside, 0);
     s.count = 121;
     EXPECT_TRUE(generate_discs(s, model_of(s), problems).empty());
     EXPECT_EQ(problems.count(), 1u);

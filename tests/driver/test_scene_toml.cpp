@@ -126,13 +126,28 @@ TEST(TomlScene, StatesAreRelativeToTheScene)
 
 TEST(TomlScene, OptionsOverrideTheSceneAndWhatItSaysInstead)
 {
-  Scene const scene = good(TWO_DISCS SWEEP "steps_per_time = 10\nduration = 5\n",
-                           {{"--dt", "run.dt", "0.25"},
-                            {"--steps", "run.steps", "3"},
-                            {"--set discs.states", "discs.states", "/dev/null"}});
-  EXPECT_EQ(scene.method.dt, 0.25);
-  EXPECT_EQ(scene.steps, 3);
-  EXPECT_TRUE(scene.discs.empty());
+  std::string const texts[] = {"[discs]\nstates = \"s.csv\"\n" SWEEP
+                               "dt = 0.1\nsteps = 50\n[output]\nevery_time = 1\n",
+                               "[discs.generate]\npacking_fraction = 0.1\n" SWEEP
+                               "steps_per_time = 10\nduration = 5\n[output]\nevery = 10\n"};
+  for (std::string const& text : texts) {
+    Scene const by_key = good(text, {{"--steps-per-time", "run.steps_per_time", "4"},
+                                     {"--duration", "run.duration", "3"},
+                                     {"--every", "output.every", "5"},
+                                     {"--set", "discs.generate.count", "7"}});
+    EXPECT_EQ(by_key.method.dt, 0.25);
+    EXPECT_EQ(by_key.steps, 12);
+    EXPECT_EQ(by_key.every, 5);
+    EXPECT_EQ(by_key.discs.size(), 7u);
+    Scene const by_other_key = good(text, {{"--dt", "run.dt", "0.5"},
+                                           {"--steps", "run.steps", "3"},
+                                           {"--every-time", "output.every_time", "1"},
+                                           {"--set", "discs.states", "/dev/null"}});
+    EXPECT_EQ(by_other_key.method.dt, 0.5);
+    EXPECT_EQ(by_other_key.steps, 3);
+    EXPECT_EQ(by_other_key.every, 2);
+    EXPECT_TRUE(by_other_key.discs.empty());
+  }
 }
 
 TEST(TomlScene, AnOptionThatDoesNotFitTheSceneIsBlamed)
@@ -213,11 +228,13 @@ TEST_P(BadScenes, AreToldWithPlaceFindingAndWhatIsAllowed)
 INSTANTIATE_TEST_SUITE_P(
     Table, BadScenes,
     testing::Values(
-        Case{"", "s.toml:1:1: found no discs (a scene has discs.states or discs.generate) add "
-                 "[discs.generate] with count = 100\ns.toml:1:1: found no run.engine (allowed: "
+        Case{"", "s.toml:1:1: found no discs (discs.states names a file of them; "
+                 "discs.generate.count or packing_fraction makes them) add count = 100 below "
+                 "[discs.generate]\ns.toml:1:1: found no run.engine (allowed: "
                  "sweep, simultaneous) add engine = \"sweep\" below [run]"},
-        Case{SWEEP, "s.toml:1:1: found no discs (a scene has discs.states or discs.generate) add "
-                    "[discs.generate] with count = 100"},
+        Case{SWEEP,
+             "s.toml:1:1: found no discs (discs.states names a file of them; discs.generate.count "
+             "or packing_fraction makes them) add count = 100 below [discs.generate]"},
         Case{TWO_DISCS, "s.toml:1:1: found no run.engine (allowed: sweep, simultaneous) add engine "
                         "= \"sweep\" below [run]"},
         Case{"gravity = 1\n" TWO_DISCS SWEEP,
@@ -425,8 +442,12 @@ INSTANTIATE_TEST_SUITE_P(
         Case{TWO_DISCS SWEEP "[output]\ncompress = \"zip\"\n",
              "s.toml:6:12: output.compress: found 'zip' (allowed: auto, none, deflate)"},
         Case{TWO_DISCS SWEEP "[output]\nfile = [\"a\"]\n",
-             "s.toml:6:8: output.file: found [a], which is not a text (allowed: the name of a "
-             "file)"},
+             "s.toml:6:8: output.file: found [a], which is not a text (allowed: a file; a "
+             "trajectory "
+             "cannot go to standard output)"},
+        Case{TWO_DISCS SWEEP "[output]\nfile = \"-\"\n",
+             "s.toml:6:8: output.file: found '-' (allowed: a file; a trajectory cannot go to "
+             "standard output)"},
         Case{TWO_DISCS SWEEP "dt = \n",
              "s.toml:5:6: not TOML (parsing key-value pair: expected value, saw '\\n')"},
         Case{TWO_DISCS SWEEP "dt = 0.1\ndt = 0.2\n",

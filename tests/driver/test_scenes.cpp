@@ -311,6 +311,13 @@ TEST(Scenes, GenerateRefusesOverlapsUnlessTheyAreRemoved)
   EXPECT_EQ(relaxed.code, 0);
   EXPECT_TRUE(contains(relaxed.err, "relax: moved 2 of 2 discs")) << relaxed.err;
   EXPECT_EQ(ricochet({"generate", folder / "t.csv"}).code, 0);
+  Outcome const outside = ricochet({"generate", folder.write("u.csv", "369,0,0,0\n")});
+  EXPECT_EQ(outside.code, 65);
+  EXPECT_TRUE(contains(outside.err, "1 discs poke through a wall --relax")) << outside.err;
+  Outcome const dense = ricochet({"generate", toml, "--relax", "--set", "box.width=7", "--set",
+                                  "box.height=7", "--set", "discs.radius=3"});
+  EXPECT_EQ(dense.code, 64) << "an option is to blame";
+  EXPECT_TRUE(contains(dense.err, "the discs cover 1.154 of the box")) << dense.err;
   EXPECT_EQ(ricochet({"generate", toml, "--relax", "-o", folder / "t.csv"}).code, 73) << "exists";
   EXPECT_EQ(ricochet({"generate", folder / "t.csv", "-o", folder / "t.csv", "--force"}).code, 73);
 }
