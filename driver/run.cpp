@@ -394,7 +394,10 @@ Exit run(RunOptions const& options)
   Scene scene = read_scene(options.scene);
   if (options.print_scene) {
     OutputFile out("-", false);
-    out.write(fmt::format("# {}\n", options.command_line));
+    std::string origin = options.command_line;
+    std::replace_if( // a comment is one line
+        origin.begin(), origin.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+    out.write(fmt::format("# {}\n", origin));
     out.write(as_toml(scene.settings));
     out.commit();
     return Exit::done;
