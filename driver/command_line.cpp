@@ -2,6 +2,7 @@
 
 #include "exit_codes.hpp"
 #include "provenance.hpp"
+#include "settings.hpp"
 #include "text.hpp"
 
 #include <CLI/CLI.hpp>
@@ -14,24 +15,11 @@ namespace ricochet::driver {
 
 namespace {
 
-std::vector<std::string> const commands{"run", "info", "compare"};
+std::vector<std::string> const commands{"run", "generate", "validate", "info", "compare"};
 
 [[noreturn]] void wrong(std::string const& message)
 {
   throw Failure(Exit::usage, message);
-}
-
-char const* name(Compression compression)
-{
-  switch (compression) {
-  case Compression::automatic:
-    return "auto";
-  case Compression::none:
-    return "none";
-  case Compression::deflate:
-    return "deflate";
-  }
-  return "";
 }
 
 // `argument` as a shell would take it back.
@@ -73,31 +61,47 @@ std::int64_t integer(std::string const& option, std::string const& word, std::in
   return value;
 }
 
-// The element of `list` that is called `word`.
-template <class Kind>
-Kind by_name(std::string const& option, std::string const& word, std::vector<Kind> const& list)
-{
-  std::vector<std::string> names;
-  for (Kind const kind : list) {
-    names.emplace_back(name(kind));
-    if (word == names.back())
-      return kind;
-  }
-  std::string const hint = did_you_mean(word, names);
-  wrong(fmt::format("{}: found {} (allowed: {}){}{}", option, in_quotes(word), joined(names),
-                    hint.empty() ? "" : " ", hint));
-}
-
-constexpr std::int64_t most_steps = std::int64_t{1} << 53; // a double still counts them
+// Options that override a setting of the scene, for every command that reads one.
+struct SettingOption {
+  char const* names;
+  char const* key;
+  char const* value; ///< what the help calls it
+  char const* help;
+};
+constexpr SettingOption run_settings[] = {
+    {"-o,--output", "output.file", "FILE.h5md", "Write a trajectory (H5MD)"},
+    {"--every", "output.every", "K", "Write a frame every K steps (default 1), and the last"},
+    {"--every-time", "output.every_time", "T", "Write a frame every T time units, and the last"},
+    {"--fields", "output.fields", "LIST",
+     "What frames hold: position or position,velocity (default)"},
+    {"--compress", "output.compress", "HOW", "auto (default), none or deflate"},
+    {"--engine", "run.engine", "NAME",
+     "sweep or simultaneous; scenes in CSV take sweep by themselves"},
+    {"--precision", "run.precision", "NAME", "double (default) or single"},
+    {"--law", "contact.law", "NAME", "Contact law: swap_scale (default) or restitution"},
+    {"--dt", "run.dt", "DT", "Length of a step (default 1/45)"},
+    {"--steps-per-time", "run.steps_per_time", "F", "Steps per time unit (default 45)"},
+    {"--duration", "run.duration", "T", "Time to simulate (default 60)"},
+    {"--steps", "run.steps", "N", "Steps to simulate, instead of a duration"}};
 
 std::string const run_examples = R"(Examples:
-  ricochet run gas.csv gas.config.csv                  the final states on standard output
-  ricochet gas.csv gas.config.csv                      the same, as the original is called
-  ricochet run gas.csv gas.config.csv -o gas.h5md --every 45 --final last.csv
-                                                       a frame every 45 steps, and the final states
-  ricochet run gas.csv --duration 10 --json - | jq .energy
-                                                       a summary for other programs
-  ricochet run gas.csv --engine simultaneous --law restitution --threads 4 --final last.csv)";
+  ricochet run gas.toml -o gas.h5md --every-time 1     simulate, with a frame every time unit
+  ricochet run gas.toml --dry-run                      what it would take; --print-scene: all settings
+  ricochet run gas.toml --dt 0.01 --set discs.generate.seed=2 --json - | jq .energy
+                                                       another step and other discs, a summary for programs
+  ricochet run gas.csv gas.config.csv                  the original's files: final states on standard output
+  ricochet gas.csv gas.config.csv                      the same, as the original is called)";
+
+std::string const generate_examples = R"(Examples:
+  ricochet generate gas.toml -o gas.csv                            the initial states of a scene
+  ricochet generate gas.toml -o gas.csv --config gas.config.csv    all that the original program reads
+  ricochet generate gas.toml --set discs.generate.count=50 | head  fewer discs, on standard output
+  ricochet generate crowd.toml --relax -o apart.csv                states of a file, overlaps removed)";
+
+std::string const validate_examples = R"(Examples:
+  ricochet validate gas.toml                           exit code 0, or 65 and everything that is wrong
+  ricochet validate gas.csv gas.config.csv             the same for the original's files
+  ricochet validate gas.toml --set run.dt=0.1          would that do?)";
 
 std::string const info_examples = R"(Examples:
   ricochet info gas.h5md              frames, discs, times, energy, and where the file comes from
@@ -115,7 +119,10 @@ class Reader {
 
  private:
   void reject_mistaken_command() const;
+  void declare_scene(CLI::App* command, SceneOptions& scene);
   void declare_run();
+  void declare_generate();
+  void declare_validate();
   void declare_info();
   void declare_compare();
   CLI::Option* option(CLI::App* app, std::string const& names, std::string const& what,
@@ -123,14 +130,21 @@ class Reader {
                       std::function<void(std::string const&)> const& read);
   [[noreturn]] void explain_error(CLI::ParseError const& error) const;
   std::vector<std::string> option_names(CLI::App const* app) const;
-  void read_fields(std::string const& word);
+  void output(CLI::App* command, std::string const& names, std::string const& what,
+              std::string const& value, std::string& target);
+  void check_scene(SceneOptions const& scene) const;
+  Command checked_run() const;
 
   CLI::App app_{"Simulates equal discs that bounce in a two-dimensional box.", "ricochet"};
   CLI::App* run_ = nullptr;
+  CLI::App* generate_ = nullptr;
+  CLI::App* validate_ = nullptr;
   CLI::App* info_ = nullptr;
   CLI::App* compare_ = nullptr;
   std::vector<std::string> arguments_;
   RunOptions run_options_;
+  GenerateOptions generate_options_;
+  ValidateOptions validate_options_;
   InfoOptions info_options_;
   CompareOptions compare_options_;
 };
@@ -157,11 +171,13 @@ Reader::Reader(std::vector<std::string> const& arguments)
   app_.set_version_flag("--version", version_text(), "Print version, Kokkos, HDF5 and backend");
   app_.require_subcommand(1);
   app_.get_formatter()->column_width(34);
-  app_.footer("`ricochet STATES.csv [CONFIG.csv]` is short for `ricochet run ...`.\n"
+  app_.footer("`ricochet SCENE` is short for `ricochet run SCENE`.\n"
               "Options that begin with --kokkos- go to Kokkos; --kokkos-help lists them.\n"
               "`ricochet COMMAND --help` explains a command.\n\n" +
               run_examples);
   declare_run();
+  declare_generate();
+  declare_validate();
   declare_info();
   declare_compare();
 }
@@ -188,98 +204,110 @@ CLI::Option* Reader::option(CLI::App* app, std::string const& names, std::string
   return app->add_option_function<std::string>(names, read, what)->type_name(value);
 }
 
+// An option that names a file to write.
+void Reader::output(CLI::App* command, std::string const& names, std::string const& what,
+                    std::string const& value, std::string& target)
+{
+  auto const name = names.substr(names.find("--"));
+  option(command, names, what, value, [&target, name](std::string const& word) {
+    if (word.empty())
+      wrong(name + ": found no file name");
+    target = word;
+  });
+}
+
+// The scene, and the options that override it whatever is done with it.
+void Reader::declare_scene(CLI::App* command, SceneOptions& scene)
+{
+  command
+      ->add_option("SCENE", scene.file,
+                   "A scene in TOML, or STATES.csv: records x,y,vx,vy separated by white space")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("CONFIG", scene.config,
+                   "Parameters of STATES.csv: key=value,key=value (all have defaults)")
+      ->type_name("FILE.csv");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--set",
+          [&scene](std::vector<std::string> const& settings) {
+            for (std::string const& setting : settings) {
+              std::size_t const equals = setting.find('=');
+              if (equals == std::string::npos)
+                wrong(fmt::format("--set: found {} without '=' (allowed: section.key=value)",
+                                  in_quotes(setting)));
+              std::string const key(trimmed(setting.substr(0, equals)));
+              scene.overrides.push_back(
+                  {"--set " + key, key, std::string(trimmed(setting.substr(equals + 1)))});
+            }
+          },
+          "Override a setting of the scene; may be repeated")
+      ->type_name("section.key=value")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_flag_callback(
+      "--relax",
+      [&scene] {
+        scene.overrides.push_back({"--relax", "discs.relax", "true"});
+      },
+      "Separate overlapping discs first");
+}
+
 void Reader::declare_run()
 {
   RunOptions& o = run_options_;
   run_ = app_.add_subcommand("run", "Simulate a scene");
   run_->footer(run_examples);
-  run_->add_option("STATES", o.states, "Initial states: records x,y,vx,vy separated by white space")
-      ->required()
-      ->type_name("FILE.csv");
-  run_->add_option("CONFIG", o.config, "Parameters: key=value,key=value (all have defaults)")
-      ->type_name("FILE.csv");
-
-  auto const output = [&](std::string const& names, std::string const& what,
-                          std::string const& value, std::string& target) {
-    auto const name = names.substr(names.find("--"));
-    option(run_, names, what, value, [&target, name](std::string const& word) {
-      if (word.empty())
-        wrong(name + ": found no file name");
-      target = word;
+  declare_scene(run_, o.scene);
+  for (SettingOption const& setting : run_settings) {
+    std::string const names = setting.names, key = setting.key;
+    std::string const name = names.substr(names.find("--"));
+    option(run_, names, setting.help, setting.value, [&o, name, key](std::string const& word) {
+      o.scene.overrides.push_back({name, key, word});
     });
-  };
-  output("-o,--output", "Write a trajectory (H5MD)", "FILE.h5md", o.output);
-  CLI::Option* const every =
-      option(run_, "--every", "Write a frame every K steps (default 1), and the last", "K",
-             [&](std::string const& word) { o.every = integer("--every", word, 1, most_steps); });
-  option(run_, "--every-time", "Write a frame every T time units, and the last", "T",
-         [&](std::string const& word) { o.every_time = decimal("--every-time", word, false); })
-      ->excludes(every);
-  option(run_, "--fields", "What frames hold: position or position,velocity (default)", "LIST",
-         [&](std::string const& word) { read_fields(word); });
-  run_->add_flag("--float32", o.float32, "Store frames in single precision");
-  option(
-      run_, "--compress", "auto (default), none or deflate", "HOW", [&](std::string const& word) {
-        o.compression = by_name<Compression>(
-            "--compress", word, {Compression::automatic, Compression::none, Compression::deflate});
-      });
-  output("--final", "Write the final states as CSV; - is standard output", "FILE.csv",
+  }
+  run_->add_flag_callback(
+      "--float32",
+      [&o] {
+        o.scene.overrides.push_back({"--float32", "output.float32", "true"});
+      },
+      "Store frames in single precision");
+  output(run_, "--final", "Write the final states as CSV; - is standard output", "FILE.csv",
          o.final_file);
-  output("--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
-
-  option(run_, "--engine", "sweep (default) or simultaneous", "NAME",
-         [&](std::string const& word) { o.engine = by_name("--engine", word, engine_kinds()); });
-  option(run_, "--precision", "double (default) or single", "NAME", [&](std::string const& word) {
-    o.precision = by_name<Precision>("--precision", word, {Precision::double_, Precision::single_});
-  });
-  option(run_, "--law", "Contact law: swap_scale (default) or restitution", "NAME",
-         [&](std::string const& word) {
-           o.law = by_name<Law>("--law", word, {Law::swap_scale, Law::restitution});
-         });
-  CLI::Option* const dt =
-      option(run_, "--dt", "Length of a step (default 1/fps)", "DT",
-             [&](std::string const& word) { o.dt = decimal("--dt", word, false); });
-  option(run_, "--steps-per-time", "Steps per time unit (default fps)", "F",
-         [&](std::string const& word) {
-           double const steps = decimal("--steps-per-time", word, false);
-           o.dt = 1 / steps;
-           if (!(*o.dt > 0) || !std::isfinite(*o.dt))
-             wrong(
-                 fmt::format("--steps-per-time: found {} (allowed: what has a reciprocal)", word));
-         })
-      ->excludes(dt);
-  CLI::Option* const duration =
-      option(run_, "--duration", "Time to simulate (default totTime)", "T",
-             [&](std::string const& word) { o.duration = decimal("--duration", word, true); });
-  option(run_, "--steps", "Steps to simulate, instead of a duration", "N",
-         [&](std::string const& word) { o.steps = integer("--steps", word, 0, most_steps); })
-      ->excludes(duration);
+  output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
   option(run_, "--threads", "Threads of the host (default: what OpenMP gives)", "N",
          [&](std::string const& word) {
            o.kokkos.threads = static_cast<int>(integer("--threads", word, 1, 65536));
          });
+  run_->add_flag("--dry-run", o.dry_run,
+                 "Write nothing; tell what the run is, and what memory, disk and time it takes");
+  run_->add_flag("--print-scene", o.print_scene,
+                 "Write the scene with all settings as TOML to standard output, and stop");
   run_->add_flag("--force", o.force, "Replace files that exist");
   run_->add_flag("-q,--quiet", o.kokkos.quiet,
                  "No progress and no summary; warnings and errors stay");
 }
 
-void Reader::read_fields(std::string const& word)
+void Reader::declare_generate()
 {
-  bool position = false;
-  run_options_.velocity = false;
-  for (std::size_t start = 0; start <= word.size();) {
-    std::size_t const end = std::min(word.find(',', start), word.size());
-    std::string const field(trimmed(word.substr(start, end - start)));
-    bool& seen = field == "velocity" ? run_options_.velocity : position;
-    if ((field != "position" && field != "velocity") || seen)
-      wrong(fmt::format("--fields: found {}{} (allowed: position; position,velocity)",
-                        in_quotes(field),
-                        field == "position" || field == "velocity" ? " twice" : ""));
-    seen = true;
-    start = end + 1;
-  }
-  if (!position)
-    wrong("--fields: found no position (allowed: position; position,velocity)");
+  GenerateOptions& o = generate_options_;
+  generate_ = app_.add_subcommand("generate", "Write the initial states of a scene as CSV");
+  generate_->footer(generate_examples);
+  declare_scene(generate_, o.scene);
+  output(generate_, "-o,--output", "The states; - is standard output (default)", "STATES.csv",
+         o.output);
+  output(generate_, "--config", "The settings too, as the original program reads them",
+         "CONFIG.csv", o.config);
+  generate_->add_flag("--force", o.force, "Replace files that exist");
+}
+
+void Reader::declare_validate()
+{
+  validate_ = app_.add_subcommand("validate",
+                                  "Tell all that is wrong with a scene, and what to expect of it");
+  validate_->footer(validate_examples);
+  declare_scene(validate_, validate_options_.scene);
 }
 
 void Reader::declare_info()
@@ -359,19 +387,41 @@ Command Reader::read()
   }
   if (!flags.empty() && !run_->parsed())
     wrong(flags[0] + ": only `ricochet run` starts Kokkos");
-  if (run_->parsed() && run_options_.final_file == "-" && run_options_.json == "-")
-    wrong("--final - and --json - both ask for standard output: give one of them a file");
-  if (run_->parsed() && run_options_.output == "-")
-    wrong("--output: found '-' (allowed: a file; a trajectory cannot go to standard output)");
-  if (run_->parsed() && run_options_.output.empty())
-    for (char const* name : {"--every", "--every-time", "--fields", "--float32", "--compress"})
-      if (run_->count(name) > 0)
-        wrong(fmt::format("{}: needs a trajectory: add --output FILE.h5md", name));
   if (run_->parsed())
-    return run_options_;
+    return checked_run();
+  if (generate_->parsed()) {
+    check_scene(generate_options_.scene);
+    if (generate_options_.output == "-" && generate_options_.config == "-")
+      wrong("--output and --config both ask for standard output: give one of them a file");
+    return generate_options_;
+  }
+  if (validate_->parsed()) {
+    check_scene(validate_options_.scene);
+    return validate_options_;
+  }
   if (info_->parsed())
     return info_options_;
   return compare_options_;
+}
+
+// What is wrong with the overrides by themselves, whatever the scene.
+void Reader::check_scene(SceneOptions const& scene) const
+{
+  if (is_toml(scene.file) && !scene.config.empty())
+    wrong(fmt::format("{}: a scene in TOML takes no CONFIG", scene.config));
+  Settings settings;
+  ProblemList problems;
+  apply(scene.overrides, settings, problems);
+  problems.throw_if_any();
+}
+
+Command Reader::checked_run() const
+{
+  RunOptions const& o = run_options_;
+  check_scene(o.scene);
+  if (o.final_file == "-" && o.json == "-")
+    wrong("--final - and --json - both ask for standard output: give one of them a file");
+  return o;
 }
 
 } // namespace

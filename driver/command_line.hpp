@@ -2,43 +2,37 @@
 #pragma once
 
 #include "kokkos_startup.hpp"
+#include "scene.hpp"
 
-#include "ricochet/engine.hpp"
-
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace ricochet::driver {
 
-enum class Compression { automatic, none, deflate };
-
-/// ricochet run STATES.csv [CONFIG.csv]
+/// ricochet run SCENE
 struct RunOptions {
-  std::string states;
-  std::string config; ///< empty: all defaults
-
-  std::string output;     ///< trajectory; empty: none
+  SceneOptions scene;
   std::string final_file; ///< final states; empty: none, "-": standard output
   std::string json;       ///< summary; likewise
-  std::optional<std::int64_t> every;
-  std::optional<double> every_time;
-  bool velocity = true;
-  bool float32 = false;
-  Compression compression = Compression::automatic;
-
-  EngineKind engine = EngineKind::sweep;
-  Precision precision = Precision::double_;
-  Law law = Law::swap_scale;
-  std::optional<double> dt;
-  std::optional<double> duration;
-  std::optional<std::int64_t> steps;
-
+  bool dry_run = false;
+  bool print_scene = false;
   bool force = false;
   KokkosOptions kokkos;     ///< with --quiet and --threads
   std::string command_line; ///< as it was given, in a form that a shell takes back
+};
+
+/// ricochet generate SCENE
+struct GenerateOptions {
+  SceneOptions scene;
+  std::string output = "-"; ///< states; "-": standard output
+  std::string config;       ///< CONFIG.csv; empty: none
+  bool force = false;
+};
+
+/// ricochet validate SCENE
+struct ValidateOptions {
+  SceneOptions scene;
 };
 
 /// ricochet info FILE
@@ -62,7 +56,8 @@ struct Answer {
   std::string text;
 };
 
-using Command = std::variant<RunOptions, InfoOptions, CompareOptions, KokkosHelp, Answer>;
+using Command = std::variant<RunOptions, GenerateOptions, ValidateOptions, InfoOptions,
+                             CompareOptions, KokkosHelp, Answer>;
 
 /// Understands the arguments after the name of the program. Throws Failure(Exit::usage).
 Command parse_command_line(std::vector<std::string> const& arguments);

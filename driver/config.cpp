@@ -5,26 +5,41 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace ricochet::driver {
 
 namespace {
 
-std::vector<std::string> const keys{"g",      "alpha",  "beta", "width",
-                                    "height", "radius", "fps",  "totTime"};
+// A key of CONFIG.csv and the setting that it makes.
+struct ConfigKey {
+  char const* name;
+  char const* setting;
+  bool is_integer;
+  char const* allowed;
+};
+constexpr char const* an_integer = "an integer > 0";
+constexpr ConfigKey config_keys[] = {
+    {"g", "forces.gravity", false, "a decimal number"},
+    {"alpha", "contact.restitution", false, "a decimal number in 0...1"},
+    {"beta", "contact.friction", false, "a decimal number in 0...1"},
+    {"width", "box.width", true, an_integer},
+    {"height", "box.height", true, an_integer},
+    {"radius", "discs.radius", true, an_integer},
+    {"fps", "run.steps_per_time", true, an_integer},
+    {"totTime", "run.duration", true, "an integer >= 0"}};
 
-// The key behind a quantity as the kernels call it.
-std::string key_of(std::string const& quantity)
-{
-  static std::map<std::string, std::string> const names{
-      {"forces.gravity", "g"},       {"contact.restitution", "alpha"}, {"contact.friction", "beta"},
-      {"box.width", "width"},        {"box.height", "height"},         {"discs.radius", "radius"},
-      {"run.steps_per_time", "fps"}, {"run.duration", "totTime"}};
-  auto const found = names.find(quantity);
-  return found == names.end() ? quantity : found->second;
-}
+std::vector<std::string> const keys = [] {
+  std::vector<std::string> names;
+  for (ConfigKey const& key : config_keys)
+    names.emplace_back(key.name);
+  return names;
+}();
 
 // The largest integer not above n/2; the walls stand there.
 std::int64_t half(std::int64_t n)
@@ -34,19 +49,20 @@ std::int64_t half(std::int64_t n)
 
 class Parser {
  public:
-  Parser(std::string const& path, ProblemList& problems) : problems_(problems)
+  Parser(std::string const& path, ProblemList& problems) : path_(path), problems_(problems)
   {
-    config_.path = path;
+    settings_.scene = path;
+    for (ConfigKey const& key : config_keys)
+      settings_.names[key.setting] = key.name;
   }
 
-  Config parse(std::string const& text)
+  Settings parse(std::string const& text)
   {
-    config_.text = text;
     std::string_view rest = text;
     if (rest.substr(0, 3) == "\xef\xbb\xbf") // byte-order mark
       rest.remove_prefix(3);
     if (trimmed(rest).empty())
-      return config_;
+      return settings_;
 
     skip_space(rest);
     std::size_t const end = std::min(rest.find('\n'), rest.size());
@@ -58,7 +74,7 @@ class Parser {
           fmt::format("found a second line {} (CONFIG is one line of key=value,key=value)",
                       in_quotes(trimmed(rest.substr(0, rest.find('\n'))))),
           "join the lines with a comma");
-    return config_;
+    return settings_;
   }
 
  private:
@@ -102,117 +118,113 @@ class Parser {
                 trimmed(word.substr(equals + 1)));
   }
 
-  void parse_entry(Place place, std::string const& key, std::string_view value)
+  void parse_entry(Place place, std::string const& name, std::string_view value)
   {
-    auto* const real = real_of(key);
-    auto* const integer = integer_of(key);
-    if (!real && !integer)
-      return add(place, fmt::format("unknown key {} (allowed: {})", in_quotes(key), joined(keys)),
-                 did_you_mean(key, keys));
+    auto const key = std::find_if(std::begin(config_keys), std::end(config_keys),
+                                  [&](ConfigKey const& known) { return name == known.name; });
+    if (key == std::end(config_keys))
+      return add(place, fmt::format("unknown key {} (allowed: {})", in_quotes(name), joined(keys)),
+                 did_you_mean(name, keys));
 
-    auto const [entry, is_new] =
-        config_.entries.try_emplace(key, Config::Entry{place, std::string(value)});
+    auto const [first, is_new] = columns_.try_emplace(name, place.column);
     if (!is_new)
       return add(place,
-                 fmt::format("{}: found a second time (first in column {})", key,
-                             entry->second.place.column),
+                 fmt::format("{}: found a second time (first in column {})", name, first->second),
                  "keep one of them");
 
-    NumberError const error = real ? parse_decimal(value, *real) : parse_integer(value, *integer);
-    if (error != NumberError::none)
-      return add(place, fmt::format("{}: found {}, which {} (allowed: {})", key, in_quotes(value),
-                                    explain(error), allowed(key)));
-    bool const too_small = (key == "fps" && *integer <= 0) || (key == "totTime" && *integer < 0);
-    if (too_small)
-      add(place, fmt::format("{}: found {} (allowed: {})", key, value, allowed(key)));
-  }
+    double real = 0;
+    std::int64_t integer = 0;
+    NumberError const error =
+        key->is_integer ? parse_integer(value, integer) : parse_decimal(value, real);
+    bool const too_small = (name == "fps" && integer <= 0) || (name == "totTime" && integer < 0);
+    if (error != NumberError::none || too_small) {
+      settings_.wrong.insert(key->setting);
+      std::string const why = error == NumberError::none
+                                  ? std::string(value)
+                                  : in_quotes(value) + ", which " + explain(error);
+      return add(place, fmt::format("{}: found {} (allowed: {})", name, why, key->allowed));
+    }
 
-  static std::string allowed(std::string const& key)
-  {
-    if (key == "g")
-      return "a decimal number";
-    if (key == "alpha" || key == "beta")
-      return "a decimal number in 0...1";
-    if (key == "totTime")
-      return "an integer >= 0";
-    return "an integer > 0";
-  }
-
-  double* real_of(std::string_view key)
-  {
-    return key == "g"       ? &config_.gravity
-           : key == "alpha" ? &config_.alpha
-           : key == "beta"  ? &config_.beta
-                            : nullptr;
-  }
-
-  std::int64_t* integer_of(std::string_view key)
-  {
-    return key == "width"     ? &config_.width
-           : key == "height"  ? &config_.height
-           : key == "radius"  ? &config_.radius
-           : key == "fps"     ? &config_.steps_per_time
-           : key == "totTime" ? &config_.duration
-                              : nullptr;
+    bool const of_box = name == "width" || name == "height";
+    double const number =
+        key->is_integer ? static_cast<double>(of_box ? 2 * half(integer) : integer) : real;
+    assign(settings_, key->setting, number, {path_, place, name, std::string(value)}, problems_);
   }
 
   void add(Place place, std::string const& problem, std::string const& suggestion = "")
   {
-    problems_.add(config_.path, place, problem, suggestion);
+    problems_.add(path_, place, problem, suggestion);
   }
 
-  Config config_;
+  Settings settings_;
+  std::map<std::string, std::int64_t> columns_; ///< in which the keys stand
   Place place_;
+  std::string path_;
   ProblemList& problems_;
 };
 
 } // namespace
 
-Config parse_config(std::string const& path, std::string const& text, ProblemList& problems)
+Settings parse_config(std::string const& path, std::string const& text, ProblemList& problems)
 {
   return Parser(path, problems).parse(text);
 }
 
-Config read_config(std::string const& path, ProblemList& problems)
+Settings read_config(std::string const& path, ProblemList& problems)
 {
   constexpr std::size_t longest = 1 << 16; // a line of eight settings is far shorter
-  std::string text(longest + 1, '\0');
-  text.resize(InputFile(path).read(text.data(), text.size()));
-  if (text.size() > longest) {
-    problems.add(path, {},
-                 fmt::format("found more than {} bytes (CONFIG is one line of key=value)", longest),
-                 "is this the STATES file?");
-    return {};
-  }
-  return parse_config(path, text, problems);
+  auto const text = read_text(path, longest);
+  if (text)
+    return parse_config(path, *text, problems);
+  problems.add(path, {},
+               fmt::format("found more than {} bytes (CONFIG is one line of key=value)", longest),
+               "is this the STATES file?");
+  return {};
 }
 
-Model model_of(Config const& config)
+std::string as_config(Settings const& s, ProblemList& problems)
 {
-  Model model;
-  model.gravity = config.gravity;
-  model.contact.restitution = config.alpha;
-  model.contact.friction = config.beta;
-  model.radius = static_cast<double>(config.radius);
-  model.box.width = 2 * static_cast<double>(half(config.width));
-  model.box.height = 2 * static_cast<double>(half(config.height));
-  return model;
-}
-
-void check_model(Config const& config, Model const& model, ProblemList& problems)
-{
-  for (Problem const& problem : ricochet::problems(model)) {
-    std::string const key = key_of(problem.quantity);
-    auto const own = config.entries.find(key);
-    // A default that does not fit is reported where the entry stands that it does not fit to.
-    auto const place = own != config.entries.end() ? own : config.entries.find("radius");
-    std::string const found =
-        own != config.entries.end() ? own->second.value : problem.found + " by default";
-    bool const of_box = key == "width" || key == "height";
-    problems.add(config.path, place != config.entries.end() ? place->second.place : Place{},
-                 fmt::format("{}: found {} (allowed: {}{})", key, found, problem.allowed,
-                             of_box ? "; the walls stand at the integer half of it" : ""));
-  }
+  std::string text;
+  auto const write = [&](char const* name, char const* setting, double value, bool is_possible,
+                         char const* allowed) {
+    if (!is_possible)
+      problems.add(blame(s, setting), fmt::format("{} is {} (CONFIG.csv allows: {})", setting,
+                                                  shortest(value), allowed));
+    text += fmt::format("{}{}={}", text.empty() ? "" : ",", name, shortest(value));
+  };
+  auto const is_integer = [](double value) {
+    return value == std::round(value) && std::abs(value) < 1e15;
+  };
+  auto const write_integer = [&](char const* name, char const* setting, double value) {
+    write(name, setting, value, is_integer(value), "an integer");
+  };
+  auto const write_length = [&](char const* name, char const* setting, double value) {
+    write(name, setting, value, is_integer(value / 2), "an even integer");
+  };
+  // A dt that is the reciprocal of an integer is as good as that.
+  double const per_time = s.dt ? std::round(1 / *s.dt) : *s.steps_per_time;
+  double const dt = 1 / per_time;
+  write("g", "forces.gravity", *s.gravity, true, "");
+  write("alpha", "contact.restitution", *s.restitution, true, "");
+  write("beta", "contact.friction", *s.friction, true, "");
+  write_length("width", "box.width", *s.width);
+  write_length("height", "box.height", *s.height);
+  write_integer("radius", "discs.radius", *s.radius);
+  if (s.dt)
+    write("fps", "run.dt", *s.dt == dt ? per_time : *s.dt, *s.dt == dt,
+          "the reciprocal of an integer");
+  else
+    write_integer("fps", "run.steps_per_time", per_time);
+  write_integer("totTime", s.steps ? "run.steps" : "run.duration",
+                s.steps ? static_cast<double>(*s.steps) * dt : *s.duration);
+  if (*s.law != Law::swap_scale)
+    problems.add(blame(s, "contact.law"),
+                 "contact.law is restitution (CONFIG.csv knows the original's alone, swap_scale)");
+  for (auto const& [setting, boundary] : {std::pair("box.x", *s.x), std::pair("box.y", *s.y)})
+    if (boundary != Boundary::walls)
+      problems.add(blame(s, setting),
+                   fmt::format("{} is periodic (CONFIG.csv knows walls alone)", setting));
+  return text + "\n";
 }
 
 } // namespace ricochet::driver

@@ -19,6 +19,15 @@ std::size_t queue_length(std::size_t discs)
 
 } // namespace
 
+double frames_memory(TrajectoryHeader const& header, bool queue_is_full)
+{
+  auto const discs = static_cast<std::size_t>(header.discs);
+  auto const block = static_cast<double>(chunk_sizes(header).frames);
+  double const frames = block + (queue_is_full ? static_cast<double>(queue_length(discs)) : block);
+  return std::min(static_cast<double>(header.frames), frames) * static_cast<double>(discs) *
+         sizeof(DiscState);
+}
+
 FrameWriter::FrameWriter(TrajectoryFile& file, std::int64_t discs)
   : file_(file),
     discs_(static_cast<std::size_t>(discs)),

@@ -13,6 +13,10 @@
 
 namespace ricochet::driver {
 
+/// Bytes of the frames on their way to the file: of those of a queue that is full, or of as many as
+/// wait until they fill a chunk.
+double frames_memory(TrajectoryHeader const& header, bool queue_is_full);
+
 /// Takes frames, in order, into a queue of bounded memory and appends them to a file. Frames reach
 /// the file within about a second, or sooner when a chunk is full.
 class FrameWriter {

@@ -37,4 +37,13 @@ std::size_t InputFile::size() const
   return error ? 0 : static_cast<std::size_t>(bytes);
 }
 
+std::optional<std::string> read_text(std::string const& path, std::size_t longest)
+{
+  std::string text(longest + 1, '\0');
+  text.resize(InputFile(path).read(text.data(), text.size()));
+  if (text.size() > longest)
+    return std::nullopt;
+  return text;
+}
+
 } // namespace ricochet::driver

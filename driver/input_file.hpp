@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace ricochet::driver {
@@ -27,5 +28,8 @@ class InputFile {
   std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
 };
+
+/// The whole of the file `path`, or nothing if it is longer than `longest` bytes. Throws Failure.
+std::optional<std::string> read_text(std::string const& path, std::size_t longest);
 
 } // namespace ricochet::driver

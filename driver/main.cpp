@@ -3,9 +3,11 @@
 #include "compare.hpp"
 #include "cpu_check.hpp"
 #include "exit_codes.hpp"
+#include "generate.hpp"
 #include "info.hpp"
 #include "output_file.hpp"
 #include "run.hpp"
+#include "validate.hpp"
 
 #include <csignal>
 #include <cstdio>
@@ -17,6 +19,8 @@ namespace {
 
 struct Execute {
   Exit operator()(RunOptions const& options) const { return run(options); }
+  Exit operator()(GenerateOptions const& options) const { return generate(options); }
+  Exit operator()(ValidateOptions const& options) const { return validate(options); }
   Exit operator()(InfoOptions const& options) const { return info(options); }
   Exit operator()(CompareOptions const& options) const { return compare(options); }
   Exit operator()(KokkosHelp) const

@@ -3,6 +3,7 @@
 #include "final_states.hpp"
 #include "frame_writer.hpp"
 #include "json_output.hpp"
+#include "outlook.hpp"
 #include "output_file.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
@@ -19,6 +20,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <sys/resource.h>
 #include <utility>
 
 namespace ricochet::driver {
@@ -26,14 +28,15 @@ namespace ricochet::driver {
 namespace {
 
 // Refuses what cannot be written, and outputs in place of inputs or of one another.
-void check_outputs(RunOptions const& options)
+void check_outputs(RunOptions const& options, Settings const& settings)
 {
   std::vector<std::string> outputs;
-  for (std::string const& path : {options.output, options.final_file, options.json})
+  for (std::string const& path : {settings.file.value_or(""), options.final_file, options.json})
     if (!path.empty() && path != "-")
       outputs.push_back(path);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::string const& input : {options.states, options.config})
+    for (std::string const& input :
+         {options.scene.file, options.scene.config, settings.states.value_or("")})
       if (!input.empty() && same_file(outputs[i], input))
         throw Failure(Exit::cannot_create,
                       fmt::format("cannot create '{}': it is an input", outputs[i]));
@@ -44,10 +47,31 @@ void check_outputs(RunOptions const& options)
   }
 }
 
+// Refuses options for a trajectory that is not written.
+void check_frame_options(RunOptions const& options, Settings const& settings)
+{
+  if (settings.file)
+    return;
+  for (Override const& setting : options.scene.overrides)
+    if (setting.key.rfind("output.", 0) == 0)
+      throw Failure(Exit::usage,
+                    fmt::format("{}: needs a trajectory: add --output FILE.h5md", setting.option));
+}
+
 bool is_finite(DiscState const& disc)
 {
   return std::isfinite(disc.x) && std::isfinite(disc.y) && std::isfinite(disc.vx) &&
          std::isfinite(disc.vy);
+}
+
+// Seconds that `work` takes.
+template <class Work>
+double timed(Work const& work)
+{
+  auto const start = std::chrono::steady_clock::now();
+  work();
+  std::chrono::duration<double> const spent = std::chrono::steady_clock::now() - start;
+  return spent.count();
 }
 
 // A run in progress.
@@ -56,7 +80,14 @@ class Run {
   Run(RunOptions const& options, Scene scene);
   void go();
 
+  /// Takes steps for about a second and tells what all of them would take.
+  Forecast forecast();
+
  private:
+  TrajectoryHeader header() const;
+  std::int64_t end_of_phase(std::int64_t step) const;
+  double timed_steps(std::int64_t step, std::int64_t until);
+  Report report();
   void open_trajectory();
   void step_to_the_end();
   void write_frame(Report const& report);
@@ -64,7 +95,7 @@ class Run {
   void check_state(Report const& report);
   void fetch_states();
   void write_results();
-  Summary summary() const;
+  Summary summary();
 
   RunOptions const& options_;
   Scene scene_;
@@ -91,13 +122,15 @@ Run::Run(RunOptions const& options, Scene scene)
   }
   std::vector<DiscState>().swap(scene_.discs); // the engine has its own
   warnings_ = engine_->warnings();
-  for (std::string const& warning : warnings_)
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
 }
 
 void Run::go()
 {
-  if (!options_.output.empty())
+  for (std::string const& note : scene_.notes)
+    std::fprintf(stderr, "%s\n", note.c_str());
+  for (std::string const& warning : warnings_)
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  if (scene_.settings.file)
     open_trajectory();
   step_to_the_end();
   close_trajectory();
@@ -106,10 +139,11 @@ void Run::go()
     throw Failure(Exit::failed, broken_);
 }
 
-void Run::open_trajectory()
+TrajectoryHeader Run::header() const
 {
+  Settings const& settings = scene_.settings;
   TrajectoryHeader header;
-  header.path = options_.output;
+  header.path = settings.file.value_or("");
   header.replace = options_.force;
   header.model = scene_.model;
   header.method = scene_.method;
@@ -117,14 +151,19 @@ void Run::open_trajectory()
   header.steps = scene_.steps;
   header.every = scene_.every;
   header.frames = planned_frames(scene_.steps, scene_.every);
-  header.velocity = options_.velocity;
-  header.float32 = options_.float32;
-  header.deflate = options_.compression == Compression::deflate ||
-                   (options_.compression == Compression::automatic &&
+  header.velocity = *settings.velocity;
+  header.float32 = *settings.float32;
+  header.deflate = *settings.compression == Compression::deflate ||
+                   (*settings.compression == Compression::automatic &&
                     worth_compressing(discs_, header.frames, scene_.every));
   header.version = version();
-  header.texts = {{"scene", scene_.config.text},
-                  {"states_file", options_.states},
+  return header;
+}
+
+void Run::open_trajectory()
+{
+  TrajectoryHeader header = this->header();
+  header.texts = {{"scene", as_toml(scene_.settings)},
                   {"initial_state_hash", hash_text(engine_->state_hash())},
                   {"command_line", options_.command_line},
                   {"kokkos_configuration", kokkos_configuration()},
@@ -133,35 +172,59 @@ void Run::open_trajectory()
   writer_ = std::make_unique<FrameWriter>(*trajectory_, discs_);
 }
 
+// The state of the run; the pressure is one from its measurement on.
+Report Run::report()
+{
+  Report report = engine_->report();
+  if (report.steps < scene_.measure_from)
+    report.pressure_z.reset();
+  return report;
+}
+
+// The step at which the measurement begins if that is still to come, else the last.
+std::int64_t Run::end_of_phase(std::int64_t step) const
+{
+  return step < scene_.measure_from ? scene_.measure_from : scene_.steps;
+}
+
+// Takes the steps from `step` to `until` and returns the seconds that took.
+double Run::timed_steps(std::int64_t step, std::int64_t until)
+{
+  double const seconds = timed([&] {
+    engine_->advance(until - step);
+    fence();
+  });
+  if (until == scene_.measure_from)
+    engine_->start_measuring();
+  return seconds;
+}
+
 void Run::step_to_the_end()
 {
-  using Clock = std::chrono::steady_clock;
   // Long enough that looking at the clock costs nothing, short enough for a lively bar.
   constexpr double lively = 0.05; // seconds
 
   Progress progress(Progress::style_for(options_.kokkos.quiet), discs_, scene_.steps);
   if (writer_)
-    write_frame(engine_->report());
+    write_frame(report());
   std::int64_t batch = 1;
   for (std::int64_t step = 0; step < scene_.steps && broken_.empty();) {
     std::int64_t until = std::min(scene_.steps, step + batch);
     if (writer_)
       until = std::min(until, (step / scene_.every + 1) * scene_.every);
-    auto const start = Clock::now();
-    engine_->advance(until - step);
-    fence();
-    std::chrono::duration<double> const spent = Clock::now() - start;
-    wall_seconds_ += spent.count();
-    if (spent.count() < lively && until - step == batch)
+    until = std::min(until, end_of_phase(step));
+    double const spent = timed_steps(step, until);
+    wall_seconds_ += spent;
+    if (spent < lively && until - step == batch)
       batch *= 2;
-    else if (spent.count() > 2 * lively)
+    else if (spent > 2 * lively)
       batch = std::max<std::int64_t>(1, batch / 2);
     step = until;
 
     bool const is_frame = writer_ && (step % scene_.every == 0 || step == scene_.steps);
     bool const is_due = progress.is_due();
     if (is_frame || is_due) {
-      Report const report = engine_->report();
+      Report const report = this->report();
       if (is_frame)
         write_frame(report);
       if (is_due)
@@ -189,8 +252,8 @@ void Run::close_trajectory()
   writer_.reset();
   trajectory_.reset();
   std::error_code ignored;
-  auto const bytes = std::filesystem::file_size(options_.output, ignored);
-  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", options_.output, frames,
+  auto const bytes = std::filesystem::file_size(*scene_.settings.file, ignored);
+  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames,
                                  static_cast<double>(bytes) / 1e6));
 }
 
@@ -214,7 +277,7 @@ void Run::fetch_states()
   engine_->states(states_.data());
 }
 
-Summary Run::summary() const
+Summary Run::summary()
 {
   Summary s;
   s.engine = name(scene_.method.engine);
@@ -226,7 +289,7 @@ Summary Run::summary() const
   s.wall_seconds = wall_seconds_;
   s.packing_fraction = packing_fraction(scene_.model, static_cast<std::size_t>(discs_));
   s.state_hash = engine_->state_hash();
-  s.report = engine_->report();
+  s.report = report();
   s.warnings = warnings_;
   return s;
 }
@@ -238,7 +301,7 @@ void Run::write_results()
     check_state(result.report);
 
   bool const to_nowhere =
-      options_.output.empty() && options_.final_file.empty() && options_.json.empty();
+      !scene_.settings.file && options_.final_file.empty() && options_.json.empty();
   std::string const final_file = to_nowhere ? "-" : options_.final_file;
   if (!final_file.empty() && broken_.empty()) {
     fetch_states();
@@ -260,6 +323,56 @@ void Run::write_results()
     std::fputs(in_words(result).c_str(), stderr);
 }
 
+Forecast Run::forecast()
+{
+  // The later steps of the sample stand for those to come, as a scene may change at its start.
+  constexpr double sample = 1, mark = 0.05;                     // seconds
+  std::vector<std::pair<std::int64_t, double>> marks{{0, 0.0}}; // steps and seconds since the start
+  std::int64_t step = 0, batch = 1;
+  double seconds = 0;
+  while (step < scene_.steps && seconds < sample) {
+    std::int64_t const until = std::min(end_of_phase(step), step + batch);
+    double const spent = timed_steps(step, until);
+    seconds += spent;
+    step = until;
+    marks.emplace_back(step, seconds);
+    if (spent < mark)
+      batch *= 2;
+  }
+  auto const half = std::find_if(marks.begin(), marks.end(),
+                                 [&](auto const& m) { return m.second >= seconds / 2; });
+  if (step < scene_.steps && half != marks.end() && half->first < step)
+    seconds += (seconds - half->second) / static_cast<double>(step - half->first) *
+               static_cast<double>(scene_.steps - step);
+  else if (step > 0 && step < scene_.steps)
+    seconds *= static_cast<double>(scene_.steps) / static_cast<double>(step);
+
+  Forecast forecast;
+  forecast.seconds = seconds;
+  fetch_states(); // as at the end
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  forecast.memory = static_cast<double>(usage.ru_maxrss) * 1024;
+  if (!scene_.settings.file)
+    return forecast;
+
+  TrajectoryHeader const planned = header();
+  report(); // what it finds out serves the next step, so it is no cost of the frame
+  double const a_frame = timed([&] {
+    report();
+    fetch_states();
+  });
+  forecast.frames = planned.frames;
+  forecast.file = forecast_bytes(planned);
+  // Frames are written beside the steps, as fast as this on a core of a server.
+  double const writing = forecast.file / (planned.deflate ? 20e6 : 1e9);
+  forecast.seconds = std::max(seconds + static_cast<double>(planned.frames) * a_frame, writing);
+  bool const queue_is_full = writing > 0.8 * forecast.seconds;
+  constexpr double hdf5_memory = 5e6; // of the library and its buffers
+  forecast.memory += hdf5_memory + frames_memory(planned, queue_is_full);
+  return forecast;
+}
+
 } // namespace
 
 std::int64_t planned_frames(std::int64_t steps, std::int64_t every)
@@ -278,8 +391,31 @@ bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t eve
 
 Exit run(RunOptions const& options)
 {
-  check_outputs(options);
-  Scene scene = read_scene(options);
+  Scene scene = read_scene(options.scene);
+  if (options.print_scene) {
+    OutputFile out("-", false);
+    std::string origin = options.command_line;
+    std::replace_if( // a comment is one line
+        origin.begin(), origin.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+    out.write(fmt::format("# {}\n", origin));
+    out.write(as_toml(scene.settings));
+    out.commit();
+    return Exit::done;
+  }
+  check_frame_options(options, scene.settings);
+  check_outputs(options, scene.settings);
+  if (options.dry_run) {
+    Outlook const expected = outlook(scene);
+    std::string text = in_words(scene, expected);
+    for (std::string const& warning : doubts(scene, expected))
+      text += warning + "\n";
+    KokkosSession const kokkos(options.kokkos);
+    text += in_words(Run(options, std::move(scene)).forecast());
+    OutputFile out("-", false);
+    out.write(text);
+    out.commit();
+    return Exit::done;
+  }
   KokkosSession const kokkos(options.kokkos);
   Run(options, std::move(scene)).go();
   return Exit::done;

@@ -1,12 +1,18 @@
 #include "scene.hpp"
 
+#include "config.hpp"
 #include "exit_codes.hpp"
+#include "generate.hpp"
+#include "overlaps.hpp"
+#include "scene_toml.hpp"
 #include "states_csv.hpp"
 #include "text.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 namespace ricochet::driver {
@@ -15,25 +21,161 @@ namespace {
 
 constexpr double most_steps = 9007199254740992; // 2^53
 
-std::int64_t steps_or_fail(std::string const& quantity, double time, double dt)
+Settings read_settings(SceneOptions const& options, ProblemList& problems)
+{
+  Settings settings;
+  if (is_toml(options.file)) {
+    settings = read_scene_toml(options.file, problems);
+  } else {
+    if (!options.config.empty())
+      settings = read_config(options.config, problems);
+    settings.states = options.file;
+    settings.engine = EngineKind::sweep; // the original's
+    if (settings.scene.empty())
+      settings.scene = options.file;
+  }
+  apply(options.overrides, settings, problems);
+  if (settings.count || settings.packing) {
+    settings.temperature = settings.temperature.value_or(0);
+    settings.zero_momentum = settings.zero_momentum.value_or(false);
+    settings.arrangement = settings.arrangement.value_or(Arrangement::random);
+    settings.seed = settings.seed.value_or(1);
+  }
+  return settings;
+}
+
+// What is missing that has no default.
+void check_completeness(Settings const& settings, Purpose purpose, ProblemList& problems)
+{
+  if (settings.is_partial)
+    return; // it may be there, misspelt
+  if (!settings.states && !settings.count && !settings.packing && !any_wrong(settings, {"discs."}))
+    problems.add(settings.scene, {},
+                 "found no discs (discs.states names a file of them; discs.generate.count or "
+                 "packing_fraction makes them)",
+                 "add count = 100 below [discs.generate]");
+  if (purpose == Purpose::run && !settings.engine && !any_wrong(settings, {"run.engine"})) {
+    std::vector<std::string> names;
+    for (EngineKind const kind : engine_kinds())
+      names.emplace_back(name(kind));
+    problems.add(settings.scene, {},
+                 fmt::format("found no run.engine (allowed: {})", joined(names)),
+                 "add engine = \"sweep\" below [run]");
+  }
+}
+
+// Steps of `dt` that make up the time that `key` names.
+std::int64_t steps_in(Settings const& settings, std::string const& key, double time, double dt,
+                      ProblemList& problems)
 {
   if (auto const steps = whole_steps(time, dt))
     return *steps;
+  std::string const of_dt = settings.dt ? "run.dt" : "run.steps_per_time";
+  // The latest word on the matter is that of the command line.
+  bool const dt_is_option = settings.origins.count(of_dt) > 0 && !blame(settings, of_dt).place;
+  Origin at = dt_is_option ? blame(settings, of_dt) : blame(settings, key, {of_dt});
+  at.name = "";
   double const ratio = time / dt;
-  if (!(ratio < most_steps))
-    throw Failure(Exit::usage,
-                  fmt::format("{} {} is {} steps of {}, more than can be counted", quantity,
-                              shortest(time), shortest(ratio), shortest(dt)));
+  std::string const what = fmt::format("{} {}", shown_name(settings, key), shortest(time));
+  if (!(ratio < most_steps)) {
+    problems.add(at, fmt::format("{} is {} steps of {}, more than can be counted", what,
+                                 shortest(ratio), shortest(dt)));
+    return 0;
+  }
   double const nearest = std::max(1.0, std::round(ratio));
-  throw Failure(
-      Exit::usage,
-      fmt::format("{} {} is not a whole number of steps: dt = {} gives {:.10g} (allowed: a "
-                  "multiple of dt) --dt {} makes it {:.0f}",
-                  quantity, shortest(time), shortest(dt), ratio, shortest(time / nearest),
-                  nearest));
+  problems.add(at,
+               fmt::format("{} is not a whole number of steps (dt = {} gives {:.10g})", what,
+                           shortest(dt), ratio),
+               fmt::format("dt = {} makes it {:.0f}", shortest(time / nearest), nearest));
+  return 0;
+}
+
+// Steps and frames.
+void set_times(Scene& scene, ProblemList& problems)
+{
+  Settings const& s = scene.settings;
+  if (any_wrong(s, {"run.", "output.every"}))
+    return;
+  std::size_t const before = problems.count();
+  double const dt = s.dt ? *s.dt : 1 / *s.steps_per_time;
+  scene.method.dt = dt;
+  scene.steps = s.steps ? *s.steps : steps_in(s, "run.duration", *s.duration, dt, problems);
+  scene.every =
+      s.every_time ? steps_in(s, "output.every_time", *s.every_time, dt, problems) : *s.every;
+  scene.measure_from = steps_in(s, "run.measure_from", *s.measure_from, dt, problems);
+  if (problems.count() > before)
+    return;
+  if (scene.every < 1)
+    problems.add(blame(s, "output.every_time"),
+                 fmt::format("found {}, which is shorter than a step (dt = {})",
+                             shortest(*s.every_time), shortest(dt)));
+  if (scene.measure_from > scene.steps)
+    problems.add(
+        blame(s, "run.measure_from"),
+        fmt::format("found {}, which is after the end of the run (it takes {} steps of {})",
+                    shortest(*s.measure_from), scene.steps, shortest(dt)));
+}
+
+void relax_discs(Scene& scene, ProblemList& problems)
+{
+  double const diameter = 2 * scene.model.radius;
+  double const packing = packing_fraction(scene.model, scene.discs.size());
+  if (packing > densest_packing)
+    return problems.add(blame(scene.settings, "discs.relax"),
+                        fmt::format("the discs cover {:.4g} of the box (without overlaps at most "
+                                    "{} is possible)",
+                                    packing, densest_packing),
+                        "make the box larger");
+  Relaxation const done = relax(scene.model, scene.discs);
+  if (done.left.pairs > 0)
+    problems.add(blame(scene.settings, "discs.relax"),
+                 fmt::format("{} pairs of discs still overlap, by up to {:.2g} diameters, after {} "
+                             "passes (the discs cover {:.4g} of the box)",
+                             done.left.pairs, done.left.deepest / diameter, done.passes, packing));
+  scene.notes.push_back(
+      done.moved == 0
+          ? "relax: no disc overlapped anything"
+          : fmt::format("relax: moved {} of {} discs in {} passes; disc {} the farthest, by {:.4g} "
+                        "({:.2g} diameters)",
+                        done.moved, scene.discs.size(), done.passes, done.disc, done.farthest,
+                        done.farthest / diameter));
 }
 
 } // namespace
+
+Model model_of(Settings const& settings)
+{
+  Model model;
+  model.box = {*settings.width, *settings.height, *settings.x, *settings.y};
+  model.radius = *settings.radius;
+  model.gravity = *settings.gravity;
+  model.contact = {*settings.law, *settings.restitution, *settings.friction};
+  return model;
+}
+
+void check_model(Settings const& settings, Model const& model, ProblemList& problems)
+{
+  for (Problem const& problem : ricochet::problems(model)) {
+    if (any_wrong(settings, {problem.quantity, "discs.radius"}))
+      continue; // the value is a default, and was not asked for
+    bool const of_box = problem.quantity == "box.width" || problem.quantity == "box.height";
+    Origin const at =
+        blame(settings, problem.quantity, {of_box ? "discs.radius" : "box.y", "discs.radius"});
+    bool const by_default = settings.origins.count(problem.quantity) == 0;
+    bool const of_config = settings.names.count("box.width") > 0;
+    problems.add(
+        at, fmt::format("{}found {}{} (allowed: {}{})",
+                        by_default ? shown_name(settings, problem.quantity) + ": " : "",
+                        by_default || at.found.empty() ? problem.found : at.found,
+                        by_default ? " by default" : "", problem.allowed,
+                        of_box && of_config ? "; the walls stand at the integer half of it" : ""));
+  }
+}
+
+bool is_toml(std::string const& file)
+{
+  return std::filesystem::path(file).extension() == ".toml";
+}
 
 std::optional<std::int64_t> whole_steps(double time, double dt)
 {
@@ -46,39 +188,31 @@ std::optional<std::int64_t> whole_steps(double time, double dt)
   return static_cast<std::int64_t>(whole);
 }
 
-Scene read_scene(RunOptions const& options)
+Scene read_scene(SceneOptions const& options, Purpose purpose)
 {
   ProblemList problems;
   Scene scene;
-  if (!options.config.empty())
-    scene.config = read_config(options.config, problems);
-  bool const config_is_good = problems.empty();
+  scene.settings = read_settings(options, problems);
+  Settings const& settings = scene.settings;
+  check_completeness(settings, purpose, problems);
+  scene.model = model_of(settings);
+  scene.method.engine = settings.engine.value_or(EngineKind::sweep);
+  scene.method.precision = *settings.precision;
+  check_model(settings, scene.model, problems);
+  set_times(scene, problems);
 
-  scene.model = model_of(scene.config);
-  scene.model.contact.law = options.law;
-  if (config_is_good)
-    check_model(scene.config, scene.model, problems);
-  std::optional<Model> checked;
-  if (problems.empty())
-    checked = scene.model;
-  scene.discs = read_states(options.states, checked, problems);
+  bool const model_is_good =
+      ricochet::problems(scene.model).empty() && !any_wrong(settings, {"box.", "discs."});
+  if (settings.states)
+    scene.discs = read_states(*settings.states,
+                              model_is_good ? std::optional(scene.model) : std::nullopt, problems);
+  else if ((settings.count || settings.packing) && model_is_good)
+    scene.discs = generate_discs(settings, scene.model, problems);
   problems.throw_if_any();
 
-  scene.method.engine = options.engine;
-  scene.method.precision = options.precision;
-  scene.method.dt = options.dt.value_or(1 / static_cast<double>(scene.config.steps_per_time));
-  double const dt = scene.method.dt;
-  if (options.steps)
-    scene.steps = *options.steps;
-  else
-    scene.steps = steps_or_fail(
-        "duration", options.duration.value_or(static_cast<double>(scene.config.duration)), dt);
-  if (options.every_time)
-    scene.every = steps_or_fail("--every-time", *options.every_time, dt);
-  else
-    scene.every = options.every.value_or(1);
-  if (scene.every < 1)
-    throw Failure(Exit::usage, "--every-time is shorter than a step");
+  if (*settings.relax)
+    relax_discs(scene, problems);
+  problems.throw_if_any();
   return scene;
 }
 

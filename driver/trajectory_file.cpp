@@ -103,17 +103,42 @@ std::vector<TrajectoryFile::Observable> const& TrajectoryFile::observables()
   return all;
 }
 
+ChunkSizes chunk_sizes(TrajectoryHeader const& header)
+{
+  auto const discs = static_cast<hsize_t>(header.discs);
+  hsize_t const frame_bytes =
+      std::max<hsize_t>(1, discs) * 3 * (header.float32 ? sizeof(float) : sizeof(double));
+  auto const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header.frames));
+  return {even_chunk(discs), static_cast<std::int64_t>(std::min(
+                                 planned, std::max<hsize_t>(1, block_bytes / frame_bytes)))};
+}
+
+double forecast_bytes(TrajectoryHeader const& header)
+{
+  constexpr double deflated = 0.69;  // of vectors whose z is 0 and whose digits are random
+  constexpr double metadata = 60e3;  // groups, texts, and the index of a few chunks
+  constexpr double chunk_entry = 90; // in the index
+  constexpr double series = 17;      // numbers a frame beside the vectors: observables, step, time
+  ChunkSizes const chunk = chunk_sizes(header);
+  auto const whole = [](double count, double size) { return std::ceil(count / size) * size; };
+  auto const frames = static_cast<double>(header.frames), discs = static_cast<double>(header.discs);
+  auto const per_chunk = static_cast<double>(chunk.discs);
+  double const vectors = whole(frames, static_cast<double>(chunk.frames)) *
+                         whole(discs, per_chunk) * (header.velocity ? 2 : 1);
+  double const chunks = vectors / (static_cast<double>(chunk.frames) * per_chunk);
+  double const number = header.float32 ? sizeof(float) : sizeof(double);
+  double const in_series = std::min(frames, static_cast<double>(series_chunk));
+  return vectors * 3 * number * (header.deflate ? deflated : 1) + chunks * chunk_entry +
+         discs * sizeof(std::int64_t) + series * whole(frames, in_series) * sizeof(double) +
+         metadata;
+}
+
 TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
   : header_(header),
     discs_(static_cast<hsize_t>(header.discs)),
-    discs_per_chunk_(even_chunk(discs_))
+    discs_per_chunk_(chunk_sizes(header).discs),
+    frames_per_block_(chunk_sizes(header).frames)
 {
-  hsize_t const frame_bytes =
-      std::max<hsize_t>(1, discs_) * 3 * (header.float32 ? sizeof(float) : sizeof(double));
-  auto const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header.frames));
-  frames_per_block_ =
-      static_cast<std::int64_t>(std::min(planned, std::max<hsize_t>(1, block_bytes / frame_bytes)));
-
   if (header.replace)
     ::unlink(header.path.c_str()); // who still reads the old file keeps it
   try {

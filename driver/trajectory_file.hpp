@@ -33,6 +33,16 @@ struct TrajectoryHeader {
   std::vector<std::pair<std::string, std::string>> texts; ///< stored below /parameters
 };
 
+/// About how many bytes the file will have.
+double forecast_bytes(TrajectoryHeader const& header);
+
+/// How frames are cut into chunks.
+struct ChunkSizes {
+  std::uint64_t discs; ///< in a chunk: all, or an even share of them
+  std::int64_t frames; ///< in a chunk
+};
+ChunkSizes chunk_sizes(TrajectoryHeader const& header);
+
 /// One frame: the discs in id order, and the report of the same moment.
 struct Frame {
   Report report;

@@ -92,7 +92,8 @@ struct Report {
   double momentum_x = 0, momentum_y = 0;
   double temperature = 0; ///< sum of |v|^2 / 2N, lab frame
   /// Z = 1 + sum over collisions of (change of momentum . r_ij) / (2 N T t), with the present
-  /// temperature; empty while it is undefined (no discs, no time or no motion).
+  /// temperature, over the time t since the measurement began; empty while it is undefined (no
+  /// discs, no time or no motion).
   std::optional<double> pressure_z;
 };
 
@@ -103,6 +104,9 @@ class Engine {
 
   /// Takes `steps` >= 0 steps. Returns at once where the backend is asynchronous.
   virtual void advance(std::int64_t steps) = 0;
+
+  /// Begins the measurement of Report::pressure_z anew.
+  virtual void start_measuring() = 0;
 
   /// The state of the run after the last step.
   virtual Report report() = 0;

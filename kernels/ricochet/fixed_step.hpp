@@ -56,6 +56,7 @@ class FixedStep : public Engine {
       step();
   }
 
+  void start_measuring() override;
   Report report() override;
 
   void states(DiscState* out) override { copy_states(space_, discs_, out); }
@@ -129,6 +130,8 @@ class FixedStep : public Engine {
   Scales scales_;
   double kinetic_initial_ = 0, potential_initial_ = 0;
   std::int64_t steps_ = 0;
+  std::int64_t measured_from_ = 0; ///< step at which the measurement of pressure began
+  double virial_before_ = 0;       ///< that step's virial
   std::vector<std::string> warnings_;
 };
 
@@ -180,6 +183,15 @@ void FixedStep<Space, Real, PairStep>::note_warnings(EngineKind engine)
 }
 
 template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::start_measuring()
+{
+  Books books;
+  Kokkos::deep_copy(books, books_);
+  measured_from_ = steps_;
+  virial_before_ = books.virial.value(scales_.virial);
+}
+
+template <class Space, class Real, class PairStep>
 Report FixedStep<Space, Real, PairStep>::report()
 {
   auto const now = totals(space_, discs_, model_, scales_);
@@ -209,10 +221,10 @@ Report FixedStep<Space, Real, PairStep>::report()
   report.momentum_y = now.momentum_y.value(scales_.momentum);
   if (report.discs > 0)
     report.temperature = report.energy.kinetic / static_cast<double>(report.discs);
-  double const virial_unit =
-      2 * static_cast<double>(report.discs) * report.temperature * report.time;
+  double const virial_unit = 2 * static_cast<double>(report.discs) * report.temperature *
+                             (static_cast<double>(steps_ - measured_from_) * dt_);
   if (virial_unit > 0)
-    report.pressure_z = 1 + books.virial.value(scales_.virial) / virial_unit;
+    report.pressure_z = 1 + (books.virial.value(scales_.virial) - virial_before_) / virial_unit;
   return report;
 }
 

@@ -23,7 +23,7 @@ def is_fixed_string(dtype):
     return h5py.check_string_dtype(dtype) is not None and h5py.check_string_dtype(dtype).length
 
 
-def check_schema(path, frames, discs, fields, real, final):
+def check_schema(path, frames, discs, fields, real, final, periodic):
     with h5py.File(path) as file:
         assert file["h5md"].attrs["version"].tolist() == [1, 1]
         assert file["h5md"].attrs["version"].dtype.kind == "i"
@@ -33,8 +33,14 @@ def check_schema(path, frames, discs, fields, real, final):
         assert list(file["particles"]) == ["trajectory"], "the only group of particles"
         box = file[PARTICLES]["box"]
         assert box.attrs["dimension"] == 3
-        assert [b.decode() for b in box.attrs["boundary"]] == ["none"] * 3
-        assert "edges" not in box, "walls on all sides have no edges"
+        kind = "periodic" if periodic else "none"
+        assert [b.decode() for b in box.attrs["boundary"]] == [kind, kind, "none"]
+        assert ("edges" in box) == periodic, "walls on all sides have no edges"
+        if periodic:
+            parameters = file["parameters"].attrs
+            lengths = [parameters[name] for name in ("width", "height")] + [2 * parameters["radius"]]
+            assert (box["edges/value"][:] == np.diag(lengths)).all()
+            assert box["edges/value"].shape == (frames, 3, 3)
 
         step, time = file[PARTICLES]["position/step"], file[PARTICLES]["position/time"]
         assert step.shape == time.shape == (frames,)
@@ -57,11 +63,11 @@ def check_schema(path, frames, discs, fields, real, final):
         assert (file[PARTICLES]["species"][:] == 0).all()
         assert (file[PARTICLES]["radius"][:] == file["parameters"].attrs["radius"]).all()
         vmd = file["parameters/vmd_structure"]
-        assert vmd["radius"][0] == file["parameters"].attrs["radius"]
+        assert vmd["radius"][0] == np.float32(file["parameters"].attrs["radius"])
         assert vmd["name"][0] == b"disc" and vmd["indexOfSpecies"][0] == 0
 
         for name in ("scene", "command_line", "provenance", "kokkos_configuration",
-                     "states_file", "initial_state_hash"):
+                     "initial_state_hash"):
             assert file["parameters"][name].shape == (), name
         positions = []
         file.visit(lambda name: positions.append(name) if name.endswith("/position") else None)
@@ -86,7 +92,7 @@ def check_schema(path, frames, discs, fields, real, final):
                            rtol=tolerance, atol=0)
 
 
-def check_mdanalysis(path, frames, discs, fields):
+def check_mdanalysis(path, frames, discs, fields, periodic):
     universe = MDAnalysis.Universe.empty(discs, trajectory=False, velocities="velocity" in fields)
     universe.load_new(path, convert_units=False)
     assert universe.trajectory.n_frames == frames
@@ -94,7 +100,11 @@ def check_mdanalysis(path, frames, discs, fields):
         count = 0
         for index, frame in enumerate(universe.trajectory):
             count += 1
-            assert frame.dimensions is None, "a box of walls is no periodic box"
+            if periodic:
+                lengths = np.diag(file[PARTICLES]["box/edges/value"][index]).astype(np.float32)
+                assert (frame.dimensions == [*lengths, 90, 90, 90]).all()
+            else:
+                assert frame.dimensions is None, "a box of walls is no periodic box"
             for field, found in (("position", frame.positions),
                                  ("velocity", frame.velocities if "velocity" in fields else None)):
                 if found is not None:
@@ -107,20 +117,25 @@ def check_mdanalysis(path, frames, discs, fields):
 
 def main():
     program, scenes = sys.argv[1:]
-    gas = [os.path.join(scenes, "gas_2000.csv"), os.path.join(scenes, "gas_2000.config.csv")]
+    walls = [os.path.join(scenes, "gas_2000.csv"), os.path.join(scenes, "gas_2000.config.csv")]
+    periodic = [os.path.join(scenes, "gas.toml"), "--set", "discs.generate.count=2000",
+                "--set", "run.measure_from=0"]
     both = ["position", "velocity"]
     cases = [
-        (["--steps", "50"], 51, both, np.float64),
-        (["--steps", "50", "--every", "7", "--compress", "deflate"], 9, both, np.float64),
-        (["--steps", "20", "--float32", "--fields", "position"], 21, ["position"], np.float32),
+        (walls, ["--steps", "50"], 51, both, np.float64),
+        (walls, ["--steps", "50", "--every", "7", "--compress", "deflate"], 9, both, np.float64),
+        (walls, ["--steps", "20", "--float32", "--fields", "position"], 21, ["position"],
+         np.float32),
+        (periodic, ["--steps", "50", "--every", "5"], 11, both, np.float64),
     ]
     with tempfile.TemporaryDirectory() as folder:
-        for number, (options, frames, fields, real) in enumerate(cases):
+        for number, (scene, options, frames, fields, real) in enumerate(cases):
             path = os.path.join(folder, f"{number}.h5md")
             final = os.path.join(folder, f"{number}.csv")
-            run(program, *gas, *options, "-o", path, "--final", final)
-            check_schema(path, frames, 2000, fields, np.dtype(real), final)
-            check_mdanalysis(path, frames, 2000, fields)
+            run(program, *scene, *options, "-o", path, "--final", final)
+            check_schema(path, frames, 2000, fields, np.dtype(real), final,
+                         scene is periodic)
+            check_mdanalysis(path, frames, 2000, fields, scene is periodic)
             print(f"{' '.join(options)}: {frames} frames read")
 
 

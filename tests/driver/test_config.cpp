@@ -2,6 +2,7 @@
 #include "config.hpp"
 
 #include "exit_codes.hpp"
+#include "scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,13 +13,13 @@ namespace {
 std::string problems_of(std::string const& text)
 {
   ProblemList problems;
-  Config const config = parse_config("c.csv", text, problems);
+  Settings const settings = parse_config("c.csv", text, problems);
   if (problems.empty())
-    check_model(config, model_of(config), problems);
+    check_model(settings, model_of(settings), problems);
   return problems.text();
 }
 
-Config good(std::string const& text)
+Settings good(std::string const& text)
 {
   EXPECT_EQ(problems_of(text), "");
   ProblemList problems;
@@ -28,10 +29,10 @@ Config good(std::string const& text)
 TEST(Config, AnEmptyFileMeansTheOriginalsDefaults)
 {
   for (char const* text : {"", "\n", "  \r\n", "\xef\xbb\xbf"}) {
-    Config const config = good(text);
+    Settings const config = good(text);
     EXPECT_EQ(config.gravity, 9.81);
-    EXPECT_EQ(config.alpha, 0.93);
-    EXPECT_EQ(config.beta, 0.93);
+    EXPECT_EQ(config.restitution, 0.93);
+    EXPECT_EQ(config.friction, 0.93);
     EXPECT_EQ(config.width, 740);
     EXPECT_EQ(config.height, 740);
     EXPECT_EQ(config.radius, 3);
@@ -42,11 +43,11 @@ TEST(Config, AnEmptyFileMeansTheOriginalsDefaults)
 
 TEST(Config, EveryKeyIsReadWithBlanksAroundIt)
 {
-  Config const config = good("\xef\xbb\xbf g = -1.5,\talpha=.5 ,beta= 1,width =100,height=90,"
-                             "radius=4,fps=10,totTime=0\r\n");
+  Settings const config = good("\xef\xbb\xbf g = -1.5,\talpha=.5 ,beta= 1,width =100,height=90,"
+                               "radius=4,fps=10,totTime=0\r\n");
   EXPECT_EQ(config.gravity, -1.5);
-  EXPECT_EQ(config.alpha, 0.5);
-  EXPECT_EQ(config.beta, 1);
+  EXPECT_EQ(config.restitution, 0.5);
+  EXPECT_EQ(config.friction, 1);
   EXPECT_EQ(config.width, 100);
   EXPECT_EQ(config.height, 90);
   EXPECT_EQ(config.radius, 4);
@@ -56,14 +57,37 @@ TEST(Config, EveryKeyIsReadWithBlanksAroundIt)
 
 TEST(Config, WallsStandAtTheIntegerHalfOfWidthAndHeight)
 {
-  Config const config = good("width=741,height=7");
+  Settings const config = good("width=741,height=7");
   EXPECT_EQ(model_of(config).box.width, 740);
   EXPECT_EQ(model_of(config).box.height, 6);
 }
 
-TEST(Config, TheTextIsKeptVerbatim)
+TEST(Config, SettingsAreWrittenInTheFormThatReadsAsTheSame)
 {
-  EXPECT_EQ(good("g=1 , alpha=1\n").text, "g=1 , alpha=1\n");
+  char const* const text =
+      "g=-1.5,alpha=0.5,beta=1,width=100,height=90,radius=4,fps=10,totTime=7\n";
+  ProblemList problems;
+  EXPECT_EQ(as_config(good(text), problems), text);
+  EXPECT_EQ(problems.text(), "");
+}
+
+TEST(Config, WhatTheOriginalCannotHaveIsNotWritten)
+{
+  Settings settings = good("g=1");
+  settings.radius = 2.5;
+  settings.width = 75;
+  settings.x = Boundary::periodic;
+  settings.law = Law::restitution;
+  settings.dt = 0.3;
+  ProblemList problems;
+  as_config(settings, problems);
+  EXPECT_EQ(problems.text(),
+            "c.csv:1:1: box.width is 75 (CONFIG.csv allows: an even integer)\n"
+            "c.csv:1:1: discs.radius is 2.5 (CONFIG.csv allows: an integer)\n"
+            "c.csv:1:1: run.dt is 0.3 (CONFIG.csv allows: the reciprocal of an integer)\n"
+            "c.csv:1:1: contact.law is restitution (CONFIG.csv knows the original's alone, "
+            "swap_scale)\n"
+            "c.csv:1:1: box.x is periodic (CONFIG.csv knows walls alone)");
 }
 
 struct BadConfig {

@@ -12,12 +12,9 @@ namespace {
 
 using test::Folder;
 
-RunOptions options_for(std::string const& states, std::string const& config = "")
+SceneOptions options_for(std::string const& states, std::string const& config = "")
 {
-  RunOptions options;
-  options.states = states;
-  options.config = config;
-  return options;
+  return {states, config, {}};
 }
 
 TEST(Scene, StepsAreDurationTimesFpsExactly)
@@ -50,15 +47,15 @@ TEST(Scene, AFractionOfAStepIsRefused)
 
   Folder const folder;
   auto options = options_for(folder.write("s.csv", ""));
-  options.dt = 0.007;
+  options.overrides = {{"--dt", "run.dt", "0.007"}};
   try {
     read_scene(options);
     FAIL();
   } catch (Failure const& failure) {
     EXPECT_EQ(failure.code(), Exit::usage);
     EXPECT_STREQ(failure.what(),
-                 "duration 60 is not a whole number of steps: dt = 0.007 gives 8571.428571 "
-                 "(allowed: a multiple of dt) --dt 0.007000350017500875 makes it 8571");
+                 "--dt: run.duration 60 is not a whole number of steps (dt = 0.007 gives "
+                 "8571.428571) dt = 0.007000350017500875 makes it 8571");
   }
 }
 

@@ -152,6 +152,27 @@ TEST_P(Diagnostics, PressureIsTheVirialOfTheCollisions)
     expect_virial_of_reference<float>(GetParam(), 1e-6);
 }
 
+// Z of the steps since a moment, from the sums of the whole run: (Z - 1) 2 N T t is the virial.
+TEST_P(Diagnostics, PressureIsThatSinceTheMeasurementBegan)
+{
+  for (auto const& scene : scenes()) {
+    auto const virial = [](Report const& r) {
+      return (*r.pressure_z - 1) * r.temperature * r.time;
+    };
+    Report const early = report_after(scene, GetParam(), 8);
+    Report const late = report_after(scene, GetParam(), 20);
+    auto const run = start(scene, GetParam());
+    run->advance(8);
+    run->start_measuring();
+    EXPECT_FALSE(run->report().pressure_z.has_value()) << "no time";
+    run->advance(12);
+    double const expected =
+        1 + (virial(late) - virial(early)) / (late.temperature * (late.time - early.time));
+    // A few roundings of the greatest of the numbers above.
+    EXPECT_NEAR(*run->report().pressure_z, expected, 1e-13 * (1 + std::abs(*late.pressure_z)));
+  }
+}
+
 TEST_P(Diagnostics, PressureIsUndefinedWithoutDiscsTimeOrMotion)
 {
   Scene scene;
