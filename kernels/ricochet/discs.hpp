@@ -32,7 +32,7 @@ struct Discs {
   {
   }
 
-  int count() const { return static_cast<int>(vx.extent(0)); }
+  KOKKOS_INLINE_FUNCTION int count() const { return static_cast<int>(vx.extent(0)); }
 
   KOKKOS_INLINE_FUNCTION Vec2<Real> position(int slot) const { return {x(slot), y(slot)}; }
   KOKKOS_INLINE_FUNCTION Vec2<Real> velocity(int slot) const { return {vx(slot), vy(slot)}; }

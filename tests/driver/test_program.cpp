@@ -101,6 +101,7 @@ TEST(Program, TheSummaryHasEveryPromisedKey)
                           "collisions_per_second",
                           "wall_hits",
                           "separating_hits",
+                          "executions",
                           "max_overlap",
                           "max_outside",
                           "energy",
