@@ -36,8 +36,8 @@ std::string in_words(Summary const& summary)
                       r.separating_hits, r.wall_hits);
   ExecutionCounts const& x = r.executions;
   if (x.islands + x.crowd + x.in_order > 0)
-    text += fmt::format("  executed    {} steps by islands, {} with a crowd, {} in order\n", x.islands,
-                        x.crowd, x.in_order);
+    text += fmt::format("  executed    {} steps by islands, {} with a crowd, {} in order\n",
+                        x.islands, x.crowd, x.in_order);
   text += fmt::format(
       "  energy      {:.10g} at the start, {:.10g} now: lost {:.6g} in pairs, {:.6g} at walls, "
       "numerical {:+.6g}, residual {:+.1e}\n",
