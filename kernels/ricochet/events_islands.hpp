@@ -16,12 +16,21 @@
 
 namespace ricochet {
 
-/// For every disc, the slots of all discs that it can meet in an interval: the first count(i)
-/// entries of row i. Both discs of a pair have each other.
+/// For discs that have had events, the slots of all discs that they can meet in the interval: the
+/// first count(i) entries of row i. Lists are written when they are first needed.
 template <class Space>
 struct NeighbourLists {
-  Kokkos::View<int**, typename Space::memory_space> slot;
+  static constexpr int longest = 16; ///< discs with more neighbours have no list; they search
+  static constexpr int unknown = -1; ///< number of neighbours before the first search
+
+  Kokkos::View<int* [longest], typename Space::memory_space> slot;
   Kokkos::View<int*, typename Space::memory_space> count;
+
+  explicit NeighbourLists(int n)
+    : slot(uninitialised<decltype(slot)>("ricochet::neighbours", n)),
+      count(uninitialised<decltype(count)>("ricochet::neighbour_count", n))
+  {
+  }
 };
 
 /// What has happened in an island.
@@ -125,7 +134,8 @@ template <class Space, class Real, bool periodic>
 struct Window {
   WindowMemory<Space, Real> m;
   NeighbourLists<Space> lists;
-  Discs<Space, Real> discs; ///< as the interval began
+  Discs<Space, Real> discs;                     ///< as the interval began
+  Neighbours<Space, Real, periodic> neighbours; ///< then, and near enough to meet in the interval
   Arena<Real, periodic> arena;
   Real end; ///< of the window
 
@@ -159,14 +169,43 @@ struct Window {
   {
     auto first = alone(i, mine);
     bool const inner = arena.is_inner(discs.position(i));
-    int const count = lists.count(i);
-    for (int k = 0; k < count; ++k) {
-      int const j = lists.slot(i, k);
+    for_each_neighbour(i, [&](int j) {
       Flight<Real> const& other = flight_of(j);
       bool const met = mine.met == j && other.met == i;
       consider(arena.meeting(mine, other, inner, met, first.due), j, other.number, first);
-    }
+    });
     return first;
+  }
+
+  /// Calls visit(j) for every disc that disc i can meet in the interval. One thread at a time may
+  /// do so for a disc.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_neighbour(int i, Visit const& visit) const
+  {
+    if (lists.count(i) == lists.unknown)
+      write_list(i);
+    int const count = lists.count(i);
+    if (count <= lists.longest)
+      for (int k = 0; k < count; ++k)
+        visit(lists.slot(i, k));
+    else
+      neighbours.for_each(discs.position(i), [&](int j, Vec2<Real>) {
+        if (j != i)
+          visit(j);
+      });
+  }
+
+  KOKKOS_FUNCTION void write_list(int i) const
+  {
+    int count = 0;
+    neighbours.for_each(discs.position(i), [&](int j, Vec2<Real>) {
+      if (j == i)
+        return;
+      if (count < lists.longest)
+        lists.slot(i, count) = j;
+      ++count;
+    });
+    lists.count(i) = count;
   }
 
   /// When two discs touch, if not clearly later than `limit`.
@@ -260,47 +299,26 @@ struct Window {
   }
 };
 
-/// What was found while lists were built.
-template <class Real>
-struct ListsBuilt {
-  int longest = 0;
-  Real closest2 = std::numeric_limits<Real>::infinity(); ///< square of the distance of a pair
-
-  KOKKOS_INLINE_FUNCTION void merge(ListsBuilt const& other)
-  {
-    longest = other.longest > longest ? other.longest : longest;
-    closest2 = other.closest2 < closest2 ? other.closest2 : closest2;
-  }
-};
-
-/// Begins an interval: every disc starts a flight, lists its neighbours, and predicts how the
-/// flight ends. Where a list is longer than its row nothing is valid but the length.
+/// Begins an interval: every disc starts a flight and predicts how it ends. Each pair is looked at
+/// once, by the disc that comes first; one prediction of a meeting is enough. Reports the least
+/// distance of two discs, squared.
 template <class Space, class Real, bool periodic>
 struct TakeOff {
   Window<Space, Real, periodic> w;
-  Neighbours<Space, Real, periodic> neighbours; ///< that a disc can meet in the interval
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i, ListsBuilt<Real>& built) const
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Real& closest2) const
   {
     auto const p = w.discs.position(i), v = w.discs.velocity(i);
     Flight<Real> const flight{p, v, Real(0), 0, partner::none, partner::none};
-    int const row = static_cast<int>(w.lists.slot.extent(1));
     auto first = w.alone(i, flight);
-    int count = 0;
-    Real closest2 = built.closest2;
-    neighbours.for_each(p, [&](int j, Vec2<Real> d) {
-      if (j == i)
-        return;
-      if (count < row)
-        w.lists.slot(i, count) = j;
-      ++count;
+    Real least = closest2;
+    w.neighbours.for_each_from(p, i + 1, [&](int j, Vec2<Real> d) {
       Real const distance2 = dot(d, d);
-      closest2 = distance2 < closest2 ? distance2 : closest2;
+      least = distance2 < least ? distance2 : least;
       w.consider(w.arena.time_to_touch(d, w.discs.velocity(j) - v, false, first.due), j, 0, first);
     });
-    built.closest2 = closest2;
-    built.longest = count > built.longest ? count : built.longest;
-    w.lists.count(i) = count;
+    closest2 = least;
+    w.lists.count(i) = w.lists.unknown;
     w.m.flights(i) = flight;
     w.m.predictions(i) = first;
     w.dissolve(i);
@@ -582,12 +600,11 @@ struct VerifyIslands {
     int const i = w.m.members(k), island = w.m.flights(i).island;
     if (island < 0 || w.m.finished(island) != pass || !w.is_contested(i) || !w.changed(i))
       return;
-    int const count = w.lists.count(i);
-    for (int entry = 0; entry < count; ++entry) {
-      int const j = w.lists.slot(i, entry), other = w.m.flights(j).island;
+    w.for_each_neighbour(i, [&](int j) {
+      int const other = w.m.flights(j).island;
       if (other >= 0 && other != island && w.m.finished(other) > 0 && w.changed(j) && meet(i, j))
         w.join(i, j);
-    }
+    });
   }
 
  private:
@@ -690,13 +707,12 @@ struct PredictBetweenIslands {
     if (island < 0 || !w.is_contested(i) || !w.changed(i))
       return;
     auto first = w.m.trial_predictions(i);
-    int const count = w.lists.count(i);
-    for (int entry = 0; entry < count; ++entry) {
-      int const j = w.lists.slot(i, entry), other = w.m.flights(j).island;
+    w.for_each_neighbour(i, [&](int j) {
+      int const other = w.m.flights(j).island;
       if (other >= 0 && other != island && w.changed(j))
         w.consider(w.meeting(i, w.m.trial(i), j, w.m.trial(j), first.due), j, w.m.trial(j).number,
                    first);
-    }
+    });
     w.m.trial_predictions(i) = first;
   }
 };
