@@ -75,9 +75,12 @@ class EventDriven : public Engine {
     do {
       window.end = std::min(window.end, window.arena.end);
       form_islands(window);
-    } while (!reach_fixpoint(window, now));
-    commit(window);
-    choose_next_window(static_cast<double>(window.end - now));
+      if (reach_fixpoint(window, now)) {
+        commit(window);
+        choose_next_window(static_cast<double>(window.end - now));
+        return;
+      }
+    } while (window.end > now);
   }
 
   /// Evolves all islands, and again those that meet others, until none do. Returns false if the
@@ -88,7 +91,7 @@ class EventDriven : public Engine {
     for (int pass = 1;; ++pass) {
       auto const outcome = evolve_islands(window, pass);
       if (outcome.leaves < window.end)
-        return give_up(window, window.arena.end = outcome.leaves);
+        return give_up(window, leave(window, now, outcome.leaves));
       if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.too_large > 0)
         return give_up(window, shorter(window.end, now, outcome));
       verify_islands(window, pass);
@@ -98,6 +101,16 @@ class EventDriven : public Engine {
         return true;
       form_grown_islands(window);
     }
+  }
+
+  /// The end of a window in which a disc seems to leave its neighbourhood at `time`. It is true,
+  /// and the end of the interval, if it happens now: all that can prevent it has been before.
+  template <bool periodic>
+  Real leave(Window<Space, Real, periodic>& window, Real now, Real time)
+  {
+    if (time <= now)
+      window.arena.end = now;
+    return std::max(time, now);
   }
 
   /// The end of a window that is shorter because of an island that was too much for this one.
@@ -143,7 +156,7 @@ class EventDriven : public Engine {
   template <bool periodic>
   void land(Window<Space, Real, periodic> const& window);
   template <bool periodic>
-  void form_islands(Window<Space, Real, periodic>& window);
+  void form_islands(Window<Space, Real, periodic> const& window);
   template <bool periodic>
   Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass);
   template <bool periodic>
@@ -185,8 +198,7 @@ class EventDriven : public Engine {
   {
     using Log = decltype(memory_.log);
     window.m.log = memory_.log = Log(); // gives the old memory back first
-    window.m.log = memory_.log =
-        uninitialised<Log>("ricochet::past_flights", counts_.log + counts_.log / 2);
+    window.m.log = memory_.log = Log("ricochet::past_flights", counts_.log + counts_.log / 2);
     return give_up(window, window.end);
   }
 
@@ -436,10 +448,9 @@ void EventDriven<Space, Real>::land(Window<Space, Real, periodic> const& window)
                        Land<Space, Real, periodic>{window});
 }
 
-/// The window, and the interval, end when a disc leaves its list.
 template <class Space, class Real>
 template <bool periodic>
-void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic>& window)
+void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic> const& window)
 {
   Kokkos::deep_copy(space_, memory_.counts, typename WindowMemory<Space, Real>::Counts{});
   using Due = ListDue<Space, Real, periodic>;
@@ -447,11 +458,8 @@ void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic>& windo
                        Range(space_, 0, (discs_.count() + Due::block - 1) / Due::block),
                        Due{window});
   counts_ = read_counts();
-  Real leaves = window.arena.end;
-  Kokkos::parallel_reduce("ricochet::find_meetings", Range(space_, 0, counts_.members),
-                          FindMeetings<Space, Real, periodic>{window}, Kokkos::Min<Real>(leaves));
-  window.arena.end = std::min(window.arena.end, leaves);
-  window.end = std::min(window.end, leaves);
+  Kokkos::parallel_for("ricochet::find_meetings", Range(space_, 0, counts_.members),
+                       FindMeetings<Space, Real, periodic>{window});
   counts_ = read_counts();
   Kokkos::parallel_for("ricochet::form_islands", Range(space_, 0, counts_.members),
                        FormIslands<Space, Real, periodic>{window});

@@ -103,19 +103,19 @@ struct WindowMemory {
   Kokkos::View<Counts, Memory> counts;
 
   explicit WindowMemory(int n)
-    : flights(uninitialised<List<Flight<Real>>>("ricochet::flights", n)),
-      predictions(uninitialised<List<Prediction<Real>>>("ricochet::predictions", n)),
-      trial(uninitialised<List<Flight<Real>>>("ricochet::trial_flights", n)),
-      trial_predictions(uninitialised<List<Prediction<Real>>>("ricochet::trial_predictions", n)),
+    : flights("ricochet::flights", n),
+      predictions("ricochet::predictions", n),
+      trial("ricochet::trial_flights", n),
+      trial_predictions("ricochet::trial_predictions", n),
       past(uninitialised<List<int>>("ricochet::past_flight", n)),
-      log(uninitialised<List<PastFlight<Real>>>("ricochet::past_flights", n / 8 + 1024)),
+      log("ricochet::past_flights", n / 8 + 1024),
       parent(uninitialised<List<int>>("ricochet::island_parent", n)),
       marks(uninitialised<List<int>>("ricochet::island_marks", n)),
       head(uninitialised<List<int>>("ricochet::island_head", n)),
       next(uninitialised<List<int>>("ricochet::island_next", n)),
       finished(uninitialised<List<int>>("ricochet::island_finished", n)),
       evolved(uninitialised<List<int>>("ricochet::evolved_parts", n)),
-      tallies(uninitialised<List<Tally>>("ricochet::island_tally", n)),
+      tallies("ricochet::island_tally", n),
       members(uninitialised<List<int>>("ricochet::island_members", n)),
       counts("ricochet::window_counts")
   {
@@ -362,13 +362,12 @@ struct ListDue {
   }
 };
 
-/// Renews those predictions that are void, unites the discs that meet, and reports when the first
-/// disc leaves its list.
+/// Renews those predictions that are void, and unites the discs that meet.
 template <class Space, class Real, bool periodic>
 struct FindMeetings {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k, Real& leaves) const
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const
   {
     int const i = w.m.members(k);
     auto& next = w.m.predictions(i);
@@ -377,10 +376,6 @@ struct FindMeetings {
       next = w.predict(i, flights(i), [&](int j) -> Flight<Real> const& { return flights(j); });
     if (!(next.due < w.end))
       return;
-    if (next.with == partner::leaves) {
-      leaves = next.due < leaves ? next.due : leaves;
-      return;
-    }
     Kokkos::atomic_fetch_or(&w.m.marks(i), mark::member);
     if (next.with >= 0) {
       w.unite(i, next.with);
