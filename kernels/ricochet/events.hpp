@@ -59,8 +59,11 @@ class EventDriven : public Engine {
   {
     auto window = take_off<periodic>();
     Real const planned = window.arena.end;
-    for (Real now = 0; now < window.arena.end; now = window.end)
+    Real now = 0;
+    while (now < window.arena.end) {
       advance_window(window, now);
+      now = window.end;
+    }
     land(window);
     bool const to_the_end = window.end == planned && planned == static_cast<Real>(remaining_);
     return to_the_end ? remaining_ : static_cast<double>(window.end);
@@ -425,7 +428,7 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
   double const unit_speed = std::max(speed, std::sqrt(std::fabs(model_.gravity) * diameter));
   shortest_window_ = unit_speed > 0 ? 1e-6 * diameter / unit_speed : dt_;
 
-  Window<Space, Real, periodic> const window{
+  Window<Space, Real, periodic> window{
       memory_,
       lists_,
       discs_,
