@@ -16,8 +16,9 @@ namespace ricochet {
 
 /// The rungs of the speed-accuracy ladder; kernels/README.md describes each.
 enum class EngineKind {
-  sweep,       ///< the original's sequential model, fixed step
-  simultaneous ///< the original's parallel variant, fixed step; gains energy
+  sweep,        ///< the original's sequential model, fixed step
+  simultaneous, ///< the original's parallel variant, fixed step; gains energy
+  events        ///< exact: every collision at its time; a step is only the distance of frames
 };
 
 /// Number format of the state and of all arithmetic on it.
@@ -79,6 +80,7 @@ struct EnergyLedger {
 struct Report {
   std::int64_t discs = 0;
   std::int64_t steps = 0;           ///< since the start
+  std::int64_t windows = 0;         ///< of `events`: into how many windows it divided them
   double time = 0;                  ///< steps dt
   std::int64_t collisions = 0;      ///< pair contacts that were resolved
   std::int64_t separating_hits = 0; ///< those of them whose discs were not approaching
@@ -102,7 +104,8 @@ class Engine {
  public:
   virtual ~Engine() = default;
 
-  /// Takes `steps` >= 0 steps. Returns at once where the backend is asynchronous.
+  /// Takes `steps` >= 0 steps. Returns at once where the backend is asynchronous. Throws
+  /// std::runtime_error if the engine cannot go on; the state is then of no use.
   virtual void advance(std::int64_t steps) = 0;
 
   /// Begins the measurement of Report::pressure_z anew.

@@ -1,5 +1,6 @@
 #include "ricochet/engine.hpp"
 
+#include "event_driven_engines.hpp"
 #include "fixed_step_engines.hpp"
 #include "ricochet/spaces.hpp"
 
@@ -57,6 +58,10 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
 {
   require_valid(model, method, initial);
   bool const one_thread = prefers_one_thread(method.placement, initial.size());
+  if (method.engine == EngineKind::events)
+    return method.precision == Precision::single_
+               ? make_event_driven<float>(model, method, initial, one_thread)
+               : make_event_driven<double>(model, method, initial, one_thread);
   if (method.precision == Precision::single_)
     return make_fixed_step<float>(model, method, initial, one_thread);
   return make_fixed_step<double>(model, method, initial, one_thread);
@@ -64,7 +69,15 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
 
 char const* name(EngineKind engine)
 {
-  return engine == EngineKind::sweep ? "sweep" : "simultaneous";
+  switch (engine) {
+  case EngineKind::sweep:
+    return "sweep";
+  case EngineKind::simultaneous:
+    return "simultaneous";
+  case EngineKind::events:
+    return "events";
+  }
+  return "";
 }
 
 char const* name(Law law)
@@ -79,7 +92,8 @@ char const* name(Precision precision)
 
 std::vector<EngineKind> const& engine_kinds()
 {
-  static std::vector<EngineKind> const all{EngineKind::sweep, EngineKind::simultaneous};
+  static std::vector<EngineKind> const all{EngineKind::sweep, EngineKind::simultaneous,
+                                           EngineKind::events};
   return all;
 }
 

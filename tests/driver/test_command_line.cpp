@@ -223,8 +223,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "--duration: found -2 (allowed: a decimal number >= 0)"},
         BadCall{{"s.csv", "--threads", "0"},
                 "--threads: found 0 (allowed: an integer in 1...65536)"},
-        BadCall{{"s.csv", "--engine", "swep"},
-                "--engine: found 'swep' (allowed: sweep, simultaneous) did you mean 'sweep'?"},
+        BadCall{
+            {"s.csv", "--engine", "swep"},
+            "--engine: found 'swep' (allowed: sweep, simultaneous, events) did you mean 'sweep'?"},
         BadCall{{"s.csv", "--law", "x"}, "--law: found 'x' (allowed: swap_scale, restitution)"},
         BadCall{{"s.csv", "--precision", "half"},
                 "--precision: found 'half' (allowed: double, single)"},

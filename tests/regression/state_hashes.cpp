@@ -91,6 +91,32 @@ std::vector<NamedScene> named_scenes()
   };
 }
 
+/// Scenes for `events`, which takes only discs that do not overlap.
+std::vector<NamedScene> event_scenes()
+{
+  constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
+  Contact const elastic{Law::swap_scale, 1, 1}, scaling{Law::swap_scale, 0.93, 0.9},
+      damping{Law::restitution, 0.95, 0.8};
+  auto const scene = [](std::size_t count, double width, double height, double gravity,
+                        Contact const& contact, Boundary x, Boundary y, double dt) {
+    Scene result;
+    result.model = make_model(width, height, gravity, contact, x, y);
+    result.discs = separate_discs(result.model, count, 10, count);
+    result.dt = dt;
+    return result;
+  };
+  return {
+      {"dilute_gas", scene(500, 181, 173, 0, elastic, periodic, periodic, 2), 4},
+      {"fluid", scene(2000, 115, 109, 0, elastic, walls, walls, 0.3), 5},
+      {"solid", scene(1000, 66, 60, 0, elastic, periodic, periodic, 0.1), 5},
+      {"gas_in_a_tall_box", scene(700, 50, 251, 1, elastic, periodic, walls, 1), 5},
+      {"scaling_gas", scene(1500, 110, 120, 0, scaling, walls, periodic, 0.5), 5},
+      {"cooling_gas", scene(1500, 150, 140, 0, damping, walls, walls, 0.5), 5},
+      {"lift", scene(500, 71, 73, -0.5, damping, periodic, walls, 0.3), 3},
+      {"many", scene(12000, 270, 280, 0.1, elastic, walls, walls, 0.3), 2},
+  };
+}
+
 /// "scene engine precision" -> hash, 16 hex digits.
 using Table = std::map<std::string, std::string>;
 
@@ -108,11 +134,16 @@ std::string hash_after(NamedScene const& named, EngineKind engine, Precision pre
 Table table_of_this_build(Placement placement)
 {
   Table table;
+  auto const add = [&](NamedScene const& named, EngineKind engine) {
+    for (auto const precision : {Precision::double_, Precision::single_})
+      table[named.name + " " + name(engine) + " " + name(precision)] =
+          hash_after(named, engine, precision, placement);
+  };
   for (auto const& named : named_scenes())
-    for (auto const engine : engine_kinds())
-      for (auto const precision : {Precision::double_, Precision::single_})
-        table[named.name + " " + name(engine) + " " + name(precision)] =
-            hash_after(named, engine, precision, placement);
+    for (auto const engine : {EngineKind::sweep, EngineKind::simultaneous})
+      add(named, engine);
+  for (auto const& named : event_scenes())
+    add(named, EngineKind::events);
   return table;
 }
 

@@ -99,7 +99,9 @@ TEST_P(Labels, NameThePhysicsOfARun)
     Scene scene;
     scene.model = make_model(30, 30, boundary == Boundary::walls ? 9.81 : 0,
                              {Law::restitution, 0.9, 0.9}, boundary, boundary);
-    scene.discs = random_discs(scene.model, 100, 10, Ids::shuffled, 1);
+    scene.discs = GetParam().engine == EngineKind::events
+                      ? separate_discs(scene.model, 100, 10, 1)
+                      : random_discs(scene.model, 100, 10, Ids::shuffled, 1);
     use(scene, GetParam());
   }
 
@@ -122,6 +124,11 @@ TEST(Labels, AreMissedWhereTheyAreMissing)
   EXPECT_TRUE(is_labelled("Kokkos::View::initialization [ricochet::x]"));
 }
 
+INSTANTIATE_TEST_SUITE_P(
+    Events, Labels,
+    testing::Values(Way{EngineKind::events, Precision::double_, Placement::serial},
+                    Way{EngineKind::events, Precision::double_, Placement::parallel}),
+    [](auto const& way) { return name(way.param); });
 INSTANTIATE_TEST_SUITE_P(Ways, Labels, testing::ValuesIn(all_ways()),
                          [](auto const& way) { return name(way.param); });
 

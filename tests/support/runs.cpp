@@ -23,7 +23,7 @@ std::vector<Way> const& all_ways()
 {
   static std::vector<Way> const ways = [] {
     std::vector<Way> result;
-    for (auto const engine : engine_kinds())
+    for (auto const engine : {EngineKind::sweep, EngineKind::simultaneous})
       for (auto const precision : {Precision::double_, Precision::single_})
         for (auto const placement : {Placement::serial, Placement::parallel})
           result.push_back({engine, precision, placement});

@@ -10,8 +10,8 @@
 
 namespace ricochet::test {
 
-/// What every law is tested for: each engine, each precision, on one thread and on the default
-/// backend.
+/// What every law is tested for: each engine of the original's steps, each precision, on one thread
+/// and on the default backend. `events` is another model and has tests of its own.
 struct Way {
   EngineKind engine;
   Precision precision;

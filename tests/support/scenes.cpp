@@ -3,6 +3,7 @@
 #include "support/random.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace ricochet::test {
@@ -63,6 +64,65 @@ std::vector<DiscState> lattice_discs(Model const& model, std::size_t count, doub
     discs[k].vy = random.between(-speed, speed);
   }
   return discs;
+}
+
+std::vector<DiscState> separate_discs(Model const& model, std::size_t count, double speed,
+                                      std::uint64_t seed)
+{
+  auto const& box = model.box;
+  double const diameter = 2 * model.radius;
+  double const width = box.x == Boundary::walls ? box.width - diameter : box.width;
+  double const height = box.y == Boundary::walls ? box.height - diameter : box.height;
+  // Of all numbers of rows, the one that leaves neighbours farthest apart. Every second row is
+  // shifted by half a place; between walls that takes half a place of each row.
+  std::size_t best_rows = 0, best_columns = 0;
+  double best = 0, dx = 0, dy = 0;
+  for (std::size_t rows = 1; rows <= count; ++rows) {
+    if (box.y == Boundary::periodic && rows % 2 == 1 && rows > 1)
+      continue;
+    std::size_t const columns = (count + rows - 1) / rows;
+    bool const x_walls = box.x == Boundary::walls, y_walls = box.y == Boundary::walls;
+    auto const places = static_cast<double>(columns);
+    double const w = width / (x_walls ? std::max(places - 0.5, 0.5) : places);
+    double const h = height / std::max(static_cast<double>(rows) - (y_walls ? 1 : 0), 1.0);
+    double apart = w;
+    if (rows > 1)
+      apart = std::min(apart, std::sqrt(w * w / 4 + h * h));
+    if (rows > 2)
+      apart = std::min(apart, 2 * h);
+    if (apart > best) {
+      best = apart;
+      best_rows = rows;
+      best_columns = columns;
+      dx = w;
+      dy = h;
+    }
+  }
+  Random random(seed);
+  double const gap = std::max(best - diameter, 0.0);
+  double const jitter = 0.3 * gap; // sqrt(2) of it, for both discs, is less than the gap
+  double const right = box.width / 2 - model.radius, top = box.height / 2 - model.radius;
+  std::vector<DiscState> discs;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t const row = k / best_columns, column = k % best_columns;
+    double x = -width / 2 + dx * (static_cast<double>(column) + (row % 2 == 1 ? 0.5 : 0.0));
+    double y = best_rows == 1 ? 0 : -height / 2 + dy * static_cast<double>(row);
+    x += random.between(-jitter, jitter);
+    y += random.between(-jitter, jitter);
+    if (box.x == Boundary::walls)
+      x = std::clamp(x, -right, right);
+    if (box.y == Boundary::walls)
+      y = std::clamp(y, -top, top);
+    double const vx = random.between(-speed, speed), vy = random.between(-speed, speed);
+    discs.push_back({x, y, vx, vy});
+  }
+  for (auto& disc : discs) { // back into a periodic box
+    if (disc.x < -box.width / 2)
+      disc.x += box.width;
+    if (disc.y < -box.height / 2)
+      disc.y += box.height;
+  }
+  return reordered(discs, random_order(count, seed + 1));
 }
 
 std::vector<DiscState> reordered(std::vector<DiscState> const& discs,

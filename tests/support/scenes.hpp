@@ -34,6 +34,12 @@ std::vector<DiscState> random_discs(Model const& model, std::size_t count, doubl
 std::vector<DiscState> lattice_discs(Model const& model, std::size_t count, double speed,
                                      std::uint64_t seed);
 
+/// `count` discs near the places of a triangular lattice that fills the box, nowhere overlapping,
+/// ids in random order; velocity components uniform in +-`speed`. There must be room: packing up to
+/// 0.85 or so in a box of many discs.
+std::vector<DiscState> separate_discs(Model const& model, std::size_t count, double speed,
+                                      std::uint64_t seed);
+
 /// Discs in another order: the k-th of the result is the `order[k]`-th of `discs`.
 std::vector<DiscState> reordered(std::vector<DiscState> const& discs,
                                  std::vector<std::size_t> const& order);

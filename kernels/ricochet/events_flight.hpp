@@ -1,0 +1,218 @@
+// Free flight, and when it ends: the mathematics of the engine `events`, one disc or pair at a
+// time.
+//
+// Times count from the beginning of the present interval (events.hpp), in which nothing is far from
+// 0. Positions and velocities are those in the frame that begins the interval at rest and falls
+// with the discs,
+//   q = x + g t^2/2,   w = v + g t   (x, v in the lab; g acts along -y),
+// where every free flight is straight and it is the walls that accelerate.
+#pragma once
+
+#include "ricochet/domain.hpp"
+#include "ricochet/model.hpp"
+#include "ricochet/vec2.hpp"
+
+#include <limits>
+
+namespace ricochet {
+
+/// The free flight of a disc from its last event on. Neighbours are looked up one by one, so a
+/// flight fills a line of the cache.
+template <class Real>
+struct alignas(64) Flight {
+  Vec2<Real> position; ///< at `since`, in the falling frame
+  Vec2<Real> velocity; ///< in the falling frame
+  Real since;          ///< when the flight began
+  int number;          ///< events of the disc since the interval began: tells its flights apart
+  int met;             ///< slot of the disc that it met at `since`, or `partner::none`
+  int island;          ///< root of the island of the disc, or `partner::none`
+
+  KOKKOS_INLINE_FUNCTION Vec2<Real> at(Real time) const
+  {
+    return position + (time - since) * velocity;
+  }
+};
+
+/// Who or what ends a flight: the slot of a disc, or one of these.
+namespace partner {
+constexpr int wall_x = -1; ///< the left or the right wall
+constexpr int wall_y = -2; ///< the floor or the ceiling
+constexpr int leaves =
+    -3;                  ///< no one: the disc leaves the region that its list of neighbours covers
+constexpr int none = -4; ///< nothing ends it in this interval
+} // namespace partner
+
+/// How a flight ends if nobody else interferes.
+template <class Real>
+struct Prediction {
+  Real due;
+  int with;   ///< see `partner`
+  int flight; ///< number of the partner's flight; if it has another now, this prediction is void
+};
+
+/// Time until a distance `gap` >= 0 ahead is covered, starting with `speed` towards it under the
+/// acceleration `pull` towards it; infinite if never. The positive root of
+///   gap = speed t + pull t^2/2,
+/// in the form that does not cancel.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real time_to_cover(Real gap, Real speed, Real pull)
+{
+  constexpr Real never = std::numeric_limits<Real>::infinity();
+  if (pull == 0)
+    return speed > 0 ? gap / speed : never;
+  if (pull < 0 && !(speed > 0))
+    return never;
+  Real const square = speed * speed + 2 * pull * gap;
+  if (!(square >= 0))
+    return never;
+  if (speed < 0)
+    return (sqrt(square) - speed) / pull;
+  Real const sum = speed + sqrt(square);
+  return sum > 0 ? 2 * gap / sum : 0;
+}
+
+/// Time until two points `d` apart with relative velocity `w` are sqrt(`distance2`) from each
+/// other; infinite if never, or if clearly later than `limit`. With b = d.w and
+/// c = d^2 - distance^2 it is the smaller root of c + 2 b t + w^2 t^2 = 0, in the form that does
+/// not cancel.
+///
+/// Closer and approaching means now; closer and separating means never. This keeps an event-driven
+/// run stable against rounding (Bannerman, Strobl, Formella & Poeschel 2014,
+/// doi 10.1007/s40571-014-0021-8).
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real time_to_meet(Vec2<Real> d, Vec2<Real> w, Real distance2, Real limit)
+{
+  constexpr Real never = std::numeric_limits<Real>::infinity();
+  Real const b = dot(d, w);
+  Real const c = dot(d, d) - distance2;
+  // No root is earlier than c/(-2b). The margin is for rounding: a root at the limit is found.
+  constexpr Real margin = 2 * (1 + 64 * std::numeric_limits<Real>::epsilon());
+  bool const approach = b < 0, in_time = c <= -b * margin * limit;
+  if (!(approach & in_time))
+    return never;
+  if (c <= 0)
+    return 0;
+  Real const discriminant = b * b - dot(w, w) * c;
+  if (!(discriminant >= 0))
+    return never;
+  return c / (sqrt(discriminant) - b);
+}
+
+/// The box, the force and the sizes: all that decides when a flight ends.
+template <class Real, bool periodic>
+struct Arena {
+  Domain<Real, periodic> domain;
+  Real diameter2; ///< square of the diameter
+  Real gravity;
+  Real wall_x, wall_y; ///< the most that |x| and |y| of a centre can be; infinite if periodic
+  Real period_x, period_y;
+  int images_x, images_y; ///< 1 if a pair may meet through either side of a small periodic box
+  Real inner_x, inner_y;  ///< see is_inner()
+  Real end;               ///< of the interval
+  Real allowance;         ///< how far a disc may move in it before lists must be built again
+
+  /// Position and velocity in the lab of a flight at `time`.
+  KOKKOS_INLINE_FUNCTION Vec2<Real> lab_position(Vec2<Real> p, Real time) const
+  {
+    return {p.x, p.y - gravity * time * time / 2};
+  }
+  KOKKOS_INLINE_FUNCTION Vec2<Real> lab_velocity(Vec2<Real> w, Real time) const
+  {
+    return {w.x, w.y - gravity * time};
+  }
+
+  /// When and at which wall a flight ends, if in this interval.
+  KOKKOS_INLINE_FUNCTION Prediction<Real> next_wall(Flight<Real> const& f) const
+  {
+    Prediction<Real> const nothing{end, partner::none, 0};
+    auto const p = lab_position(f.position, f.since), v = lab_velocity(f.velocity, f.since);
+    if (misses_walls(p, v, end - f.since))
+      return nothing;
+    Real const x = v.x > 0 ? time_to_cover(ahead(wall_x - p.x), v.x, Real(0))
+                           : time_to_cover(ahead(wall_x + p.x), -v.x, Real(0));
+    Real const floor = time_to_cover(ahead(wall_y + p.y), -v.y, gravity);
+    Real const ceiling = time_to_cover(ahead(wall_y - p.y), v.y, -gravity);
+    Real const y = floor < ceiling ? floor : ceiling;
+    Prediction<Real> const hit = x <= y ? Prediction<Real>{f.since + x, partner::wall_x, 0}
+                                        : Prediction<Real>{f.since + y, partner::wall_y, 0};
+    return hit.due < end ? hit : nothing;
+  }
+
+  /// When a flight is farther than the allowance from `home`; later than the interval if it is not
+  /// in it.
+  KOKKOS_INLINE_FUNCTION Real leaving(Flight<Real> const& f, Vec2<Real> home) const
+  {
+    auto const at_end = f.at(end) - home;
+    if (dot(at_end, at_end) <= allowance * allowance)
+      return std::numeric_limits<Real>::infinity();
+    auto const from = f.position - home;
+    Real const rest = allowance * allowance - dot(from, from);
+    Real const b = dot(from, f.velocity), speed2 = dot(f.velocity, f.velocity);
+    if (!(rest > 0))
+      return f.since;
+    Real const root = sqrt(b * b + speed2 * rest);
+    return f.since + (b > 0 ? rest / (root + b) : (root - b) / speed2);
+  }
+
+  /// Whether a disc that began the interval at `home` cannot meet an image of a disc across an end
+  /// of the box.
+  KOKKOS_INLINE_FUNCTION bool is_inner(Vec2<Real> home) const
+  {
+    return fabs(home.x) < inner_x && fabs(home.y) < inner_y;
+  }
+
+  /// When two discs on these flights touch, if not clearly later than `limit`. `inner`: whether one
+  /// of them is_inner(). `met`: whether they have just met. Discs that have do not meet again, in
+  /// the same image, before one of them meets someone else.
+  KOKKOS_FORCEINLINE_FUNCTION Real meeting(Flight<Real> const& a, Flight<Real> const& b, bool inner,
+                                           bool met, Real limit) const
+  {
+    Real const from = a.since > b.since ? a.since : b.since;
+    auto const d = b.at(from) - a.at(from);
+    return from + time_to_touch(inner ? d : domain.separation({0, 0}, d), b.velocity - a.velocity,
+                                met, limit - from);
+  }
+
+  /// Time until two discs touch whose nearest images are `d` apart.
+  KOKKOS_FORCEINLINE_FUNCTION Real time_to_touch(Vec2<Real> d, Vec2<Real> w, bool met,
+                                                 Real limit) const
+  {
+    if constexpr (periodic)
+      if (images_x + images_y > 0)
+        return first_of_images(d, w, met, limit);
+    return met ? std::numeric_limits<Real>::infinity() : time_to_meet(d, w, diameter2, limit);
+  }
+
+ private:
+  /// A disc that rounding has put beyond a wall is at it.
+  KOKKOS_INLINE_FUNCTION static Real ahead(Real gap) { return gap > 0 ? gap : Real(0); }
+
+  /// Whether a flight from `p` with velocity `v` surely stays between the walls for a time.
+  KOKKOS_INLINE_FUNCTION bool misses_walls(Vec2<Real> p, Vec2<Real> v, Real time) const
+  {
+    Real const fall = gravity * time * time / 2;
+    Real const x = p.x + v.x * time, straight = p.y + v.y * time, y = straight - fall;
+    // Neither end of an arc is its highest point when it first rises, against the fall; the end
+    // without the fall is higher.
+    return fabs(x) < wall_x && fabs(y) < wall_y && fabs(straight) < wall_y && fabs(p.x) < wall_x &&
+           fabs(p.y) < wall_y;
+  }
+
+  KOKKOS_INLINE_FUNCTION Real first_of_images(Vec2<Real> d, Vec2<Real> w, bool met,
+                                              Real limit) const
+  {
+    Real first = std::numeric_limits<Real>::infinity();
+    for (int kx = -images_x; kx <= images_x; ++kx)
+      for (int ky = -images_y; ky <= images_y; ++ky) {
+        if (met && kx == 0 && ky == 0)
+          continue;
+        Vec2<Real> const image{images_x > 0 ? d.x + static_cast<Real>(kx) * period_x : d.x,
+                               images_y > 0 ? d.y + static_cast<Real>(ky) * period_y : d.y};
+        Real const time = time_to_meet(image, w, diameter2, limit);
+        first = time < first ? time : first;
+      }
+    return first;
+  }
+};
+
+} // namespace ricochet
