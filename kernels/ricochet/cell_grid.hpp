@@ -250,6 +250,68 @@ struct Cells {
   }
 };
 
+/// Sorts order(first)...order(last - 1) by the id of the slot each entry names.
+template <class Space>
+struct SortCellById {
+  Kokkos::View<int*, typename Space::memory_space> start, order, id;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int cell) const
+  {
+    int const first = start(cell), n = start(cell + 1) - first;
+    if (n < 2)
+      return;
+    constexpr int few = 32;
+    if (n <= few)
+      insertion_sort(&order(first), n);
+    else
+      heap_sort(&order(first), n);
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION bool before(int a, int b) const { return id(a) < id(b); }
+
+  KOKKOS_INLINE_FUNCTION void insertion_sort(int* entries, int n) const
+  {
+    for (int i = 1; i < n; ++i) {
+      int const entry = entries[i];
+      int k = i;
+      for (; k > 0 && before(entry, entries[k - 1]); --k)
+        entries[k] = entries[k - 1];
+      entries[k] = entry;
+    }
+  }
+
+  // For cells that a crowd of discs has gathered in.
+  KOKKOS_INLINE_FUNCTION void heap_sort(int* entries, int n) const
+  {
+    for (int root = n / 2 - 1; root >= 0; --root)
+      sift_down(entries, root, n);
+    for (int end = n - 1; end > 0; --end) {
+      int const largest = entries[0];
+      entries[0] = entries[end];
+      entries[end] = largest;
+      sift_down(entries, 0, end);
+    }
+  }
+
+  KOKKOS_INLINE_FUNCTION void sift_down(int* entries, int root, int n) const
+  {
+    int const entry = entries[root];
+    for (int child = 2 * root + 1; child < n; child = 2 * root + 1) {
+      if (child + 1 < n && before(entries[child], entries[child + 1]))
+        ++child;
+      if (!before(entry, entries[child]))
+        break;
+      entries[root] = entries[child];
+      root = child;
+    }
+    entries[root] = entry;
+  }
+};
+
+/// The order of discs inside a cell.
+enum class Inside { any_order, by_id };
+
 /// Keeps discs stored in cell order. Owns the grid and all scratch of the sort.
 template <class Space, class Real>
 class CellGrid {
@@ -275,8 +337,10 @@ class CellGrid {
   }
 
   /// Stores the discs by cell. Inside a cell their order is whatever the scheduler made it, so
-  /// nothing may depend on it. Slots change; `discs` and the grid's spare memory change places.
-  void sort(Space const& space, Discs<Space, Real>& discs);
+  /// nothing may depend on it; or it is that of their ids, which takes longer and makes the order
+  /// of storage a function of the state. Slots change; `discs` and the grid's spare memory change
+  /// places.
+  void sort(Space const& space, Discs<Space, Real>& discs, Inside inside = Inside::any_order);
 
   Cells<Space> const& cells() const { return cells_; }
 
@@ -307,7 +371,7 @@ class CellGrid {
 };
 
 template <class Space, class Real>
-void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs)
+void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, Inside inside)
 {
   using Range = Kokkos::RangePolicy<Space>;
   int const n = discs.count();
@@ -331,6 +395,19 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs)
           start(c) = before;
         before += here;
       });
+  if (inside == Inside::by_id) {
+    auto const order = cell_; // not needed yet
+    Kokkos::parallel_for(
+        "ricochet::list_cells", Range(space, 0, n),
+        KOKKOS_LAMBDA(int i) { order(start(unsorted_cell(i)) + rank(i)) = i; });
+    Kokkos::parallel_for("ricochet::sort_cells_by_id", Range(space, 0, cells.count()),
+                         SortCellById<Space>{start, order, from.id});
+    Kokkos::parallel_for(
+        "ricochet::rank_by_id", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+          int const i = order(slot);
+          rank(i) = slot - start(unsorted_cell(i));
+        });
+  }
   Kokkos::parallel_for(
       "ricochet::store_by_cell", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
         int const c = unsorted_cell(i), id = from.id(i);

@@ -33,6 +33,7 @@ class EventDriven : public Engine {
   }
 
   Report report() override;
+  void start_measuring() override;
 
   void states(DiscState* out) override { copy_states(space_, discs_, out); }
   std::uint64_t state_hash() override { return ricochet::state_hash(space_, discs_); }
@@ -177,7 +178,7 @@ class EventDriven : public Engine {
   /// Fastest disc and farthest excursion of a state.
   struct Extremes {
     double speed2 = 0;
-    double outside = -std::numeric_limits<double>::infinity(); ///< beyond a wall [length]
+    double outside = 0; ///< beyond a wall [diameters]
 
     KOKKOS_INLINE_FUNCTION void merge(Extremes const& other)
     {
@@ -216,7 +217,7 @@ class EventDriven : public Engine {
   {
     double const diameter = 2 * model_.radius;
     max_overlap_ = std::max(max_overlap_, (diameter - closest) / diameter);
-    max_outside_ = std::max(max_outside_, extremes.outside / diameter);
+    max_outside_ = std::max(max_outside_, extremes.outside);
   }
 
   static double best_skin(Model const& model, int discs);
@@ -249,6 +250,8 @@ class EventDriven : public Engine {
   Scales scales_;
   double kinetic_initial_ = 0, potential_initial_ = 0;
   double max_overlap_ = 0, max_outside_ = 0;
+  std::int64_t measured_from_ = 0; ///< step at which the measurement of pressure began
+  double virial_before_ = 0;       ///< until then
   std::int64_t steps_ = 0, windows_ = 0;
   double remaining_ = 0;       ///< of the present step
   double window_ = 0;          ///< length that the next window should have
@@ -331,7 +334,9 @@ typename EventDriven<Space, Real>::Extremes EventDriven<Space, Real>::extremes()
       "ricochet::find_extremes", Range(space_, 0, discs.count()),
       KOKKOS_LAMBDA(int i, Extremes& found) {
         auto const v = as<double>(discs.velocity(i));
-        found.merge({dot(v, v), outside(discs.position(i))});
+        Extremes own{dot(v, v)};
+        outside.enter(discs.position(i), own.outside);
+        found.merge(own);
       },
       Merge<Extremes, Space>(extremes_));
   Extremes found;
@@ -345,15 +350,16 @@ template <class Space, class Real>
 template <bool periodic>
 double EventDriven<Space, Real>::closest_pair()
 {
-  grid_.sort(space_, discs_);
+  grid_.sort(space_, discs_, Inside::by_id);
   auto const diameter = static_cast<Real>(2 * model_.radius);
   auto const discs = discs_;
-  Neighbours<Space, Real, periodic> const neighbours(discs, grid_.cells(), model_.box, diameter);
+  auto const cell = grid_.cell();
+  Neighbours<Space, Real, periodic> const neighbours(discs, grid_.cells(), model_.box);
   Real closest2 = 0;
   Kokkos::parallel_reduce(
       "ricochet::find_closest_pair", Range(space_, 0, discs.count()),
       KOKKOS_LAMBDA(int i, Real& least) {
-        neighbours.for_each_from(discs.position(i), i + 1, [&](int, Vec2<Real> d) {
+        neighbours.for_each_ahead(cell(i), i, diameter * diameter, [&](int, Vec2<Real> d) {
           least = dot(d, d) < least ? dot(d, d) : least;
         });
       },
@@ -422,7 +428,7 @@ template <bool periodic>
 Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
 {
   ProfilingRegion const region("ricochet::take_off");
-  grid_.sort(space_, discs_);
+  grid_.sort(space_, discs_, Inside::by_id);
   auto const found = extremes();
   double const speed = std::sqrt(found.speed2), diameter = 2 * model_.radius;
   double const unit_speed = std::max(speed, std::sqrt(std::fabs(model_.gravity) * diameter));
@@ -432,8 +438,8 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
       memory_,
       lists_,
       discs_,
-      Neighbours<Space, Real, periodic>(discs_, grid_.cells(), model_.box,
-                                        static_cast<Real>(diameter + skin_)),
+      Neighbours<Space, Real, periodic>(discs_, grid_.cells(), model_.box),
+      static_cast<Real>(diameter + skin_),
       arena<periodic>(speed),
       0};
   Real closest2 = 0;
@@ -556,6 +562,15 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
 }
 
 template <class Space, class Real>
+void EventDriven<Space, Real>::start_measuring()
+{
+  Books books;
+  Kokkos::deep_copy(books, books_);
+  measured_from_ = steps_;
+  virial_before_ = books.virial.value(scales_.virial);
+}
+
+template <class Space, class Real>
 Report EventDriven<Space, Real>::report()
 {
   note_extremes(extremes(), is_periodic(model_.box) ? closest_pair<true>() : closest_pair<false>());
@@ -582,10 +597,10 @@ Report EventDriven<Space, Real>::report()
   report.momentum_y = now.momentum_y.value(scales_.momentum);
   if (report.discs > 0)
     report.temperature = report.energy.kinetic / static_cast<double>(report.discs);
-  double const virial_unit =
-      2 * static_cast<double>(report.discs) * report.temperature * report.time;
+  double const virial_unit = 2 * static_cast<double>(report.discs) * report.temperature *
+                             (static_cast<double>(steps_ - measured_from_) * dt_);
   if (virial_unit > 0)
-    report.pressure_z = 1 + books.virial.value(scales_.virial) / virial_unit;
+    report.pressure_z = 1 + (books.virial.value(scales_.virial) - virial_before_) / virial_unit;
   return report;
 }
 

@@ -135,7 +135,8 @@ struct Window {
   WindowMemory<Space, Real> m;
   NeighbourLists<Space> lists;
   Discs<Space, Real> discs;                     ///< as the interval began
-  Neighbours<Space, Real, periodic> neighbours; ///< then, and near enough to meet in the interval
+  Neighbours<Space, Real, periodic> neighbours; ///< then
+  Real reach;                                   ///< within which discs can meet in the interval
   Arena<Real, periodic> arena;
   Real end; ///< of the window
 
@@ -189,7 +190,7 @@ struct Window {
       for (int k = 0; k < count; ++k)
         visit(lists.slot(i, k));
     else
-      neighbours.for_each(discs.position(i), [&](int j, Vec2<Real>) {
+      neighbours.for_each_within(discs.position(i), reach, [&](int j, Vec2<Real>) {
         if (j != i)
           visit(j);
       });
@@ -198,7 +199,7 @@ struct Window {
   KOKKOS_FUNCTION void write_list(int i) const
   {
     int count = 0;
-    neighbours.for_each(discs.position(i), [&](int j, Vec2<Real>) {
+    neighbours.for_each_within(discs.position(i), reach, [&](int j, Vec2<Real>) {
       if (j == i)
         return;
       if (count < lists.longest)
@@ -312,11 +313,12 @@ struct TakeOff {
     Flight<Real> const flight{p, v, Real(0), 0, partner::none, partner::none};
     auto first = w.alone(i, flight);
     Real least = closest2;
-    w.neighbours.for_each_from(p, i + 1, [&](int j, Vec2<Real> d) {
+    auto const consider = [&](int j, Vec2<Real> d) {
       Real const distance2 = dot(d, d);
       least = distance2 < least ? distance2 : least;
       w.consider(w.arena.time_to_touch(d, w.discs.velocity(j) - v, false, first.due), j, 0, first);
-    });
+    };
+    w.neighbours.for_each_within(p, w.reach, consider, i + 1);
     closest2 = least;
     w.lists.count(i) = w.lists.unknown;
     w.m.flights(i) = flight;

@@ -52,16 +52,19 @@ class Neighbours {
   }
 
   /// Calls visit(slot, separation) for every disc whose centre is closer to `p` than `reach`, which
-  /// may be any distance. The discs must be where they were when they were sorted.
+  /// may be any distance, among the slots from `from` on. The discs must be where they were when
+  /// they were sorted.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_within(Vec2<Real> p, Real reach, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_each_within(Vec2<Real> p, Real reach, Visit const& visit,
+                                              int from = 0) const
   {
     Real const reach2 = reach * reach;
     Runs runs;
     int row = 0;
     cells_.template for_blocks_near<periodic>(p, margin(static_cast<double>(reach)),
                                               [&](int first, int last) {
-                                                runs.begin[row] = cells_.start(first);
+                                                int const begin = cells_.start(first);
+                                                runs.begin[row] = begin < from ? from : begin;
                                                 runs.end[row] = cells_.start(last + 1);
                                                 if (++row < 3)
                                                   return;

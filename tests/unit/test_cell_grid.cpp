@@ -38,9 +38,9 @@ struct Sorted {
     sort();
   }
 
-  void sort()
+  void sort(Inside inside = Inside::any_order)
   {
-    grid.sort(Space(), discs);
+    grid.sort(Space(), discs, inside);
     Space().fence();
   }
 
@@ -180,6 +180,23 @@ TYPED_TEST(CellGridOf, DiscsAreStoredByCell)
     crowd[k].x = crowd[k].y = 1e-3 * static_cast<double>(k % 7);
   expect_cell_order(Sorted<TypeParam>(model, crowd));
   expect_cell_order(Sorted<TypeParam>(model, {}));
+}
+
+TYPED_TEST(CellGridOf, InsideACellDiscsAreStoredByIdIfAskedFor)
+{
+  auto const model = box(31, 23, walls, walls);
+  // Also a crowd in one place, more than an insertion sort is used for.
+  auto states = random_discs(model, 300, 1, Ids::shuffled, 4);
+  for (std::size_t k = 0; k < 200; ++k)
+    states[k].x = states[k].y = 1e-3 * static_cast<double>(k % 7);
+  Sorted<TypeParam> sorted(model, states);
+  sorted.sort(Inside::by_id);
+  expect_cell_order(sorted);
+  auto const id = on_host(sorted.discs.id), cell = on_host(sorted.grid.cell());
+  for (std::size_t s = 1; s < states.size(); ++s)
+    if (cell[s] == cell[s - 1]) {
+      EXPECT_LT(id[s - 1], id[s]);
+    }
 }
 
 TYPED_TEST(CellGridOf, SortingMovesWholeDiscs)
