@@ -442,6 +442,10 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
       static_cast<Real>(diameter + skin_),
       arena<periodic>(speed),
       0};
+  // Nor can a window be shorter than the rounding of times allows.
+  double const rounding = static_cast<double>(std::numeric_limits<Real>::epsilon());
+  shortest_window_ =
+      std::max(shortest_window_, 4 * rounding * static_cast<double>(window.arena.end));
   Real closest2 = 0;
   Kokkos::parallel_reduce("ricochet::take_off", Range(space_, 0, discs_.count()),
                           TakeOff<Space, Real, periodic>{window}, Kokkos::Min<Real>(closest2));
