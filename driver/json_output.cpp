@@ -51,6 +51,7 @@ std::string as_json(Summary const& summary)
   json["collisions_per_second"] = summary.collisions_per_second();
   json["wall_hits"] = report.wall_hits;
   json["separating_hits"] = report.separating_hits;
+  json["windows"] = report.windows;
   json["executions"] = {{"islands", report.executions.islands},
                         {"crowd", report.executions.crowd},
                         {"in_order", report.executions.in_order}};

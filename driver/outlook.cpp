@@ -99,6 +99,7 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
   std::vector<std::string> const discs{"discs.states", "discs.generate.count",
                                        "discs.generate.packing_fraction"};
 
+  bool const exact = scene.method.engine == EngineKind::events; // whatever the step
   Overlaps const overlaps = find_overlaps(scene.model, scene.discs);
   if (overlaps.pairs > 0)
     doubt(
@@ -109,14 +110,14 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
   if (overlaps.outside > 0)
     doubt(discs, fmt::format("{} discs poke through a wall", overlaps.outside),
           "--relax moves them inside");
-  if (o.step_in_radii > 1)
+  if (!exact && o.step_in_radii > 1)
     doubt(step,
           fmt::format("the fastest disc{} moves {:.3g} radii in a step (beyond 1 discs may pass "
                       "through each other)",
                       scene.model.gravity != 0 ? ", after a fall through the box," : "",
                       o.step_in_radii),
           fmt::format("dt = {:.2g} makes it 0.2", 0.2 * dt / o.step_in_radii));
-  else if (o.step_in_sizes > 0.02)
+  else if (!exact && o.step_in_sizes > 0.02)
     doubt(step,
           fmt::format("a thermal disc moves {:.2g} diameters in a step (contacts found late make "
                       "the discs of a fixed-step engine about {:.1g} % too small)",
@@ -134,7 +135,7 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
                       "and any change takes very long)",
                       o.packing),
           "");
-  if (o.collisions_a_step > 0.2)
+  if (!exact && o.collisions_a_step > 0.2)
     doubt(step,
           fmt::format("{:.2g} collisions of a disc are expected in a step (several at once are "
                       "resolved in an order of their own)",
@@ -142,17 +143,20 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
           fmt::format("dt = {:.2g} makes it 0.1", 0.1 * dt / o.collisions_a_step));
   double const depth = optical_depth(scene), row = collapsing_row(scene.model.contact.restitution);
   if (scene.discs.size() > 1 && depth > row)
-    doubt(
-        {"contact.restitution"},
-        fmt::format("inelastic collapse is likely (a line through the box meets {:.3g} discs, and "
-                    "{:.3g} in a row can collapse): clusters of discs that overlap",
-                    depth, row),
-        "");
+    doubt({"contact.restitution"},
+          fmt::format(
+              "inelastic collapse is likely (a line through the box meets {:.3g} discs, and "
+              "{:.3g} in a row can collapse): {}",
+              depth, row,
+              exact ? "engine events stops at lasting contact" : "clusters of discs that overlap"),
+          "");
   else if (scene.discs.size() > 1 && scene.model.gravity != 0 &&
            scene.model.contact.restitution < 1)
     doubt({"contact.restitution"},
-          "the discs will come to rest on each other (fixed-step engines represent lasting contact "
-          "by deep overlaps)",
+          exact
+              ? "the discs will come to rest on each other (engine events stops at lasting contact)"
+              : "the discs will come to rest on each other (fixed-step engines represent lasting "
+                "contact by deep overlaps)",
           "");
   return list;
 }

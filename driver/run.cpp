@@ -132,7 +132,12 @@ void Run::go()
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (scene_.settings.file)
     open_trajectory();
-  step_to_the_end();
+  try {
+    step_to_the_end();
+  } catch (LastingContact const& contact) {
+    close_trajectory();
+    throw Failure(Exit::failed, contact.what());
+  }
   close_trajectory();
   write_results();
   if (!broken_.empty())

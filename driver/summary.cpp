@@ -38,6 +38,8 @@ std::string in_words(Summary const& summary)
   if (x.islands + x.crowd + x.in_order > 0)
     text += fmt::format("  executed    {} steps by islands, {} with a crowd, {} in order\n",
                         x.islands, x.crowd, x.in_order);
+  if (r.windows > 0)
+    text += fmt::format("  executed    {} windows\n", r.windows);
   text += fmt::format(
       "  energy      {:.10g} at the start, {:.10g} now: lost {:.6g} in pairs, {:.6g} at walls, "
       "numerical {:+.6g}, residual {:+.1e}\n",

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,13 @@ struct Report {
   /// temperature, over the time t since the measurement began; empty while it is undefined (no
   /// discs, no time or no motion).
   std::optional<double> pressure_z;
+};
+
+/// Thrown by an engine that cannot go on because discs stay in contact: which discs, where and
+/// when.
+class LastingContact : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// A simulation in progress.

@@ -126,7 +126,7 @@ class EventDriven : public Engine {
     // Twice, for the difference of two times is rounded.
     bool const shortest = static_cast<double>(end - now) <= 2 * shortest_window_;
     if (outcome.stuck.first != Stuck<Real>::nowhere && shortest)
-      throw std::runtime_error(description(outcome.stuck));
+      throw LastingContact(description(outcome.stuck));
     if (shortest)
       largest_island_ = std::numeric_limits<int>::max();
     window_ = std::max(shortest_window_, static_cast<double>(end - now) / 8);

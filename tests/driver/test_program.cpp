@@ -101,6 +101,7 @@ TEST(Program, TheSummaryHasEveryPromisedKey)
                           "collisions_per_second",
                           "wall_hits",
                           "separating_hits",
+                          "windows",
                           "executions",
                           "max_overlap",
                           "max_outside",
@@ -268,6 +269,21 @@ TEST(Program, AStateThatIsNotFiniteEndsTheRunWithItsTime)
   EXPECT_TRUE(contains(text_of(folder / "j"), "null"));
   EXPECT_FALSE(std::filesystem::exists(folder / "f.csv"));
   EXPECT_GT(TrajectoryReader(folder / "t.h5md").frames(), 0);
+}
+
+// A ball on the floor bounces infinitely often before its fourth time unit.
+TEST(Program, LastingContactEndsAnExactRunWithTheTrajectorySoFar)
+{
+  Folder const folder;
+  auto const s = folder.write("s.csv", "0,0,0,0\n");
+  auto const c = folder.write("c.csv", "width=20,height=20,alpha=0.2");
+  Outcome const outcome = ricochet({"run", s, c, "--engine", "events", "--duration", "20", "-o",
+                                    folder / "t.h5md", "--final", folder / "f.csv"});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "lasting contact")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "disc")) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "f.csv"));
+  EXPECT_GT(TrajectoryReader(folder / "t.h5md").frames(), 10);
 }
 
 TEST(Program, CompareExitsTwoBeyondTheTolerance)

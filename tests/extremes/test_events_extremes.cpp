@@ -197,7 +197,7 @@ TEST_P(EventExtremes, LastingContactStopsTheRunWithAMessage)
   try {
     for (; steps < 100; ++steps)
       run->advance(1);
-  } catch (std::runtime_error const& error) {
+  } catch (LastingContact const& error) {
     message = error.what();
   }
   EXPECT_EQ(steps, static_cast<std::int64_t>(std::ceil(rest / 0.25)) - 1);
