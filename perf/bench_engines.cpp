@@ -15,7 +15,8 @@ using namespace ricochet;
 
 /// A gas at q = thermal speed x dt / diameter = 0.1 with gravity and dissipation.
 /// Arguments: discs, packing fraction in percent, placement.
-void steps(benchmark::State& state, EngineKind engine, Precision precision)
+void steps(benchmark::State& state, EngineKind engine, Precision precision,
+           Execution execution = Execution::automatic)
 {
   Contact contact;
   contact.restitution = 0.93;
@@ -27,6 +28,7 @@ void steps(benchmark::State& state, EngineKind engine, Precision precision)
   method.precision = precision;
   method.dt = 0.1 * 2 * scene.model.radius / scene.thermal_speed;
   method.placement = static_cast<Placement>(state.range(2));
+  method.execution = execution;
   auto const simulation = make_engine(scene.model, method, scene.discs);
   simulation->advance(50); // the lattice melts, and caches warm up
   auto const before = simulation->report();
@@ -62,6 +64,9 @@ void sizes(benchmark::internal::Benchmark* benchmark)
 }
 
 BENCHMARK_CAPTURE(steps, sweep_double, EngineKind::sweep, Precision::double_)->Apply(sizes);
+BENCHMARK_CAPTURE(steps, sweep_in_order_double, EngineKind::sweep, Precision::double_,
+                  Execution::in_order)
+    ->Apply(sizes);
 BENCHMARK_CAPTURE(steps, sweep_single, EngineKind::sweep, Precision::single_)->Apply(sizes);
 BENCHMARK_CAPTURE(steps, simultaneous_double, EngineKind::simultaneous, Precision::double_)
     ->Apply(sizes);

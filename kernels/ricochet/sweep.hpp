@@ -101,7 +101,7 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
   OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, law};
   Range const all(space, 0, state.discs.count());
   if (execution_ == Execution::in_order || steps_to_pause_ > 0) {
-    --steps_to_pause_;
+    steps_to_pause_ = std::max(steps_to_pause_ - 1, 0);
     resolve_in_order(space, contact, true);
   } else if (resolve_islands(space, contact)) {
     pause_ = 0;
