@@ -194,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "--law: found 'x' (allowed: swap_scale, restitution)\n--dt: found 0 (allowed: a "
                 "decimal number > 0)"},
         BadCall{{"s.toml", "--engine", "toi"},
-                "--engine: found 'toi' (allowed: sweep, simultaneous)"},
+                "--engine: found 'toi' (allowed: sweep, simultaneous, events)"},
         BadCall{{"generate", "s.toml", "--config", "-"},
                 "--output and --config both ask for standard output: give one of them a file"},
         BadCall{{"validate", "s.toml", "--engine", "sweep"},

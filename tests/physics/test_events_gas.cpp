@@ -59,9 +59,9 @@ struct Fluid {
 class EquationOfState : public testing::TestWithParam<Fluid> {};
 
 /// Z and the collision rate within 0.5 % of long runs, and of each other by Enskog's identity
-/// rate = (4/diameter) (Z - 1) sqrt(T/pi) within 0.5 %. 1,000 discs with 1,000 collisions each after
-/// 50: the standard error of Z - 1 is about 1/sqrt(500000) = 0.15 %, and that of the rate less; the
-/// finite number of discs adds 0.05 %.
+/// rate = (4/diameter) (Z - 1) sqrt(T/pi) within 0.5 %. 1,000 discs with 1,000 collisions each
+/// after 50: the standard error of Z - 1 is about 1/sqrt(500000) = 0.15 %, and that of the rate
+/// less; the finite number of discs adds 0.05 %.
 TEST_P(EquationOfState, IsThatOfLongRuns)
 {
   auto const fluid = GetParam();
