@@ -231,7 +231,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"", "s.toml:1:1: found no discs (discs.states names a file of them; "
                  "discs.generate.count or packing_fraction makes them) add count = 100 below "
                  "[discs.generate]\ns.toml:1:1: found no run.engine (allowed: "
-                 "sweep, simultaneous) add engine = \"sweep\" below [run]"},
+                 "sweep, simultaneous, events) add engine = \"sweep\" below [run]"},
         Case{SWEEP,
              "s.toml:1:1: found no discs (discs.states names a file of them; discs.generate.count "
              "or packing_fraction makes them) add count = 100 below [discs.generate]"},
