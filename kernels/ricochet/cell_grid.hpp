@@ -104,7 +104,7 @@ struct Cells {
   Kokkos::View<int*, typename Space::memory_space> start;
 
   /// Number of cells, with those around the box.
-  int count() const { return stride() * (y.count + 2); }
+  int count() const { return stride() * (y.count + 2) + 1; }
 
   template <class Real>
   KOKKOS_INLINE_FUNCTION int at(Vec2<Real> p) const
@@ -113,10 +113,10 @@ struct Cells {
   }
   KOKKOS_INLINE_FUNCTION int index(int row, int column) const
   {
-    return (row + 1) * stride() + column;
+    return (row + 1) * stride() + column + 1;
   }
-  KOKKOS_INLINE_FUNCTION int row(int cell) const { return cell / stride() - 1; }
-  KOKKOS_INLINE_FUNCTION int column(int cell) const { return cell % stride(); }
+  KOKKOS_INLINE_FUNCTION int row(int cell) const { return (cell - 1) / stride() - 1; }
+  KOKKOS_INLINE_FUNCTION int column(int cell) const { return (cell - 1) % stride(); }
 
   /// Shortest side of a cell [length].
   KOKKOS_INLINE_FUNCTION double side() const
