@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
 // pushes run through the whole box, and nearly all islands turn out to be one.
 TEST(OrderedExecution, IsTheLoopWhereAPushRunsThroughALattice)
 {
-  for (double const gap : {1.7, 1.95, 1.999})
+  for (double const gap : {1.7, 1.95})
     for (auto const x : {walls, periodic}) {
       SCOPED_TRACE("lattice constant " + std::to_string(gap));
       Scene scene;
@@ -222,9 +222,9 @@ TEST(OrderedExecution, IsTheLoopInASettledHeap)
 {
   for (auto const ids : {Ids::shuffled, Ids::row_major, Ids::reversed}) {
     SCOPED_TRACE(name(ids));
-    auto scene = crowd(400, 0.4, 5, ids, 9.81, scaling, walls, walls, 21);
+    auto scene = crowd(250, 0.4, 5, ids, 9.81, scaling, walls, walls, 21);
     scene.model.gravity = 30;
-    expect_reference_bits(scene, EngineKind::sweep, {200});
+    expect_reference_bits(scene, EngineKind::sweep, {120});
   }
 }
 
