@@ -4,11 +4,9 @@
 // in which discs that meet are evolved as islands. kernels/README.md says why this is exact.
 #pragma once
 
-#include "ricochet/contacts.hpp"
-#include "ricochet/diagnostics.hpp"
-#include "ricochet/engine.hpp"
 #include "ricochet/events_islands.hpp"
 #include "ricochet/reproducible.hpp"
+#include "ricochet/run_books.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +31,7 @@ class EventDriven : public Engine {
   }
 
   Report report() override;
-  void start_measuring() override;
+  void start_measuring() override { books_.start_measuring(space_); }
 
   void states(DiscState* out) override { copy_states(space_, discs_, out); }
   std::uint64_t state_hash() override { return ricochet::state_hash(space_, discs_); }
@@ -50,7 +48,7 @@ class EventDriven : public Engine {
     remaining_ = dt_;
     while (remaining_ > 0)
       remaining_ -= is_periodic(model_.box) ? interval<true>() : interval<false>();
-    ++steps_;
+    books_.count_step();
   }
 
   /// Advances all discs until a disc leaves what the lists of neighbours cover, or to the end of
@@ -229,7 +227,6 @@ class EventDriven : public Engine {
     return model;
   }
 
-  static Scales scales_for(Model const& model, std::vector<DiscState> const& initial);
   void require_separate_discs(Precision precision);
 
   Space space_;
@@ -242,17 +239,14 @@ class EventDriven : public Engine {
   NeighbourLists<Space> lists_;
   WindowMemory<Space, Real> memory_;
   typename WindowMemory<Space, Real>::Counts counts_;
-  BooksView<Space> books_, part_;
+  RunBooks<Space> books_;
+  BooksView<Space> part_; ///< of one kernel
   // Results of kernels. Allocated once: the host's default backend, not this engine's, would fill
   // new ones.
   Kokkos::View<Extremes, typename Space::memory_space> extremes_;
   Kokkos::View<Outcome<Real>, typename Space::memory_space> outcome_;
-  Scales scales_;
-  double kinetic_initial_ = 0, potential_initial_ = 0;
   double max_overlap_ = 0, max_outside_ = 0;
-  std::int64_t measured_from_ = 0; ///< step at which the measurement of pressure began
-  double virial_before_ = 0;       ///< until then
-  std::int64_t steps_ = 0, windows_ = 0;
+  std::int64_t windows_ = 0;
   double remaining_ = 0;       ///< of the present step
   double window_ = 0;          ///< length that the next window should have
   double shortest_window_ = 0; ///< below it, many events mean lasting contact
@@ -270,37 +264,17 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
     grid_(model_of_grid(model, skin_), discs_.count()),
     lists_(discs_.count()),
     memory_(discs_.count()),
-    books_("ricochet::books"),
+    books_(model, method.dt, initial),
     part_("ricochet::part_of_books"),
     extremes_("ricochet::extremes"),
-    outcome_("ricochet::outcome"),
-    scales_(scales_for(model, initial))
+    outcome_("ricochet::outcome")
 {
-  if (contracts<double>(space_) || contracts<float>(space_))
-    throw std::runtime_error(
-        "this build fuses multiplications and additions (floating-point contraction), so its "
-        "results would differ from other machines': build with -ffp-contract=off, or "
-        "--fmad=false");
+  require_no_contraction(space_);
   if (is_periodic(model_.box))
     wrap_all(space_, discs_, Domain<Real, true>(model_.box));
-  auto const start = totals(space_, discs_, model_, scales_);
-  kinetic_initial_ = start.kinetic.value(scales_.energy);
-  potential_initial_ = start.potential.value(scales_.energy);
+  books_.begin(space_, discs_);
   require_separate_discs(method.precision);
   window_ = dt_;
-}
-
-template <class Space, class Real>
-Scales EventDriven<Space, Real>::scales_for(Model const& model,
-                                            std::vector<DiscState> const& initial)
-{
-  double kinetic = 0;
-  for (auto const& disc : initial)
-    kinetic += 0.5 * (disc.vx * disc.vx + disc.vy * disc.vy);
-  auto const count = static_cast<double>(initial.size());
-  double const energy = kinetic + count * std::fabs(model.gravity) * model.box.height;
-  double const momentum = std::sqrt(2 * energy * count);
-  return {power_scale(energy), power_scale(momentum), power_scale(momentum * 2 * model.radius)};
 }
 
 template <class Space, class Real>
@@ -317,7 +291,7 @@ void EventDriven<Space, Real>::require_separate_discs(Precision precision)
   if (max_outside_ > tolerance)
     problem +=
         "\n  discs reach beyond a wall, by up to " + std::to_string(max_outside_) + " diameters";
-  if (packing_fraction(model_, static_cast<std::size_t>(discs_.count())) > 0.9069)
+  if (packing_fraction(model_, static_cast<std::size_t>(discs_.count())) > densest_packing)
     problem += "\n  discs cover more of the box than is possible without overlaps, 90.69 %";
   if (!(found.speed2 < fastest * fastest))
     problem += "\n  a disc is faster than its collisions can be computed";
@@ -521,7 +495,7 @@ void EventDriven<Space, Real>::form_grown_islands(Window<Space, Real, periodic> 
   Kokkos::parallel_for("ricochet::count_evolved_parts", members,
                        CountEvolvedParts<Space, Real, periodic>{window});
   Kokkos::parallel_for("ricochet::form_grown_islands", members,
-                       FormGrownIslands<Space, Real, periodic>{window});
+                       FormIslands<Space, Real, periodic>{window});
 }
 
 template <class Space, class Real>
@@ -532,9 +506,9 @@ void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& windo
   Kokkos::parallel_for("ricochet::predict_between_islands", members,
                        PredictBetweenIslands<Space, Real, periodic>{window});
   Kokkos::parallel_reduce("ricochet::commit_islands", members,
-                          CommitIslands<Space, Real, periodic>{window, scales_},
+                          CommitIslands<Space, Real, periodic>{window, books_.scales()},
                           Merge<Books, Space>(part_));
-  enter<Space>(space_, books_, part_);
+  enter<Space>(space_, books_.view(), part_);
 }
 
 template <class Space, class Real>
@@ -554,8 +528,7 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
     std::snprintf(text, sizeof text, "%.10g", static_cast<double>(value));
     return std::string(text);
   };
-  double const time =
-      static_cast<double>(steps_) * dt_ + (dt_ - remaining_) + static_cast<double>(stuck.time);
+  double const time = books_.time() + (dt_ - remaining_) + static_cast<double>(stuck.time);
   std::string const with = stuck.second == partner::wall_x ? " and a side wall"
                            : stuck.second == partner::wall_y
                                ? " and the floor or ceiling"
@@ -566,45 +539,13 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
 }
 
 template <class Space, class Real>
-void EventDriven<Space, Real>::start_measuring()
-{
-  Books books;
-  Kokkos::deep_copy(books, books_);
-  measured_from_ = steps_;
-  virial_before_ = books.virial.value(scales_.virial);
-}
-
-template <class Space, class Real>
 Report EventDriven<Space, Real>::report()
 {
   note_extremes(extremes(), is_periodic(model_.box) ? closest_pair<true>() : closest_pair<false>());
-  auto const now = totals(space_, discs_, model_, scales_);
-  Books books;
-  Kokkos::deep_copy(books, books_);
-
-  Report report;
-  report.discs = discs_.count();
-  report.steps = steps_;
+  auto report = books_.report(space_, discs_);
   report.windows = windows_;
-  report.time = static_cast<double>(steps_) * dt_;
-  report.collisions = books.collisions;
-  report.wall_hits = books.wall_hits;
   report.max_overlap = max_overlap_;
   report.max_outside = max_outside_;
-  report.energy.kinetic_initial = kinetic_initial_;
-  report.energy.potential_initial = potential_initial_;
-  report.energy.kinetic = now.kinetic.value(scales_.energy);
-  report.energy.potential = now.potential.value(scales_.energy);
-  report.energy.lost_pairs = books.lost_pairs.value(scales_.energy);
-  report.energy.lost_walls = books.lost_walls.value(scales_.energy);
-  report.momentum_x = now.momentum_x.value(scales_.momentum);
-  report.momentum_y = now.momentum_y.value(scales_.momentum);
-  if (report.discs > 0)
-    report.temperature = report.energy.kinetic / static_cast<double>(report.discs);
-  double const virial_unit = 2 * static_cast<double>(report.discs) * report.temperature *
-                             (static_cast<double>(steps_ - measured_from_) * dt_);
-  if (virial_unit > 0)
-    report.pressure_z = 1 + (books.virial.value(scales_.virial) - virial_before_) / virial_unit;
   return report;
 }
 

@@ -8,11 +8,9 @@
 // may be filled in any order because every choice among their entries has one answer.
 #pragma once
 
-#include "ricochet/books.hpp"
-#include "ricochet/contact_law.hpp"
+#include "ricochet/contacts.hpp"
 #include "ricochet/events_flight.hpp"
-#include "ricochet/neighbours.hpp"
-#include "ricochet/walls.hpp"
+#include "ricochet/islands.hpp"
 
 namespace ricochet {
 
@@ -34,7 +32,7 @@ struct NeighbourLists {
 };
 
 /// What has happened in an island.
-struct Tally {
+struct IslandEvents {
   double lost_pairs = 0, lost_walls = 0, virial = 0;
   int collisions = 0, wall_hits = 0;
 
@@ -87,12 +85,12 @@ struct WindowMemory {
   List<Prediction<Real>> trial_predictions;
   List<int> past;             ///< members: latest entry of `log`, or -1
   List<PastFlight<Real>> log; ///< in any order
-  List<int> parent;           ///< forest whose trees are the islands to be; see unite()
+  Forest<Space> forest;       ///< its trees are the islands to be; nodes are slots
+  Chains<Space> chains;       ///< by root: the members of its island
   List<int> marks;            ///< bits, see `mark`
-  List<int> head, next;       ///< by root: its first member; by member: the next one
   List<int> finished;         ///< by root: pass in which the island reached the end, or 0
   List<int> evolved;          ///< by root of a grown island: how many of its parts are islands
-  List<Tally> tallies;        ///< by root
+  List<IslandEvents> tallies; ///< by root
   List<int> members;          ///< all discs in islands, and some that turned out not to be
 
   struct Counts {
@@ -109,10 +107,9 @@ struct WindowMemory {
       trial_predictions("ricochet::trial_predictions", n),
       past(uninitialised<List<int>>("ricochet::past_flight", n)),
       log("ricochet::past_flights", n / 8 + 1024),
-      parent(uninitialised<List<int>>("ricochet::island_parent", n)),
+      forest(n),
+      chains(n, n),
       marks(uninitialised<List<int>>("ricochet::island_marks", n)),
-      head(uninitialised<List<int>>("ricochet::island_head", n)),
-      next(uninitialised<List<int>>("ricochet::island_next", n)),
       finished(uninitialised<List<int>>("ricochet::island_finished", n)),
       evolved(uninitialised<List<int>>("ricochet::evolved_parts", n)),
       tallies("ricochet::island_tally", n),
@@ -216,46 +213,21 @@ struct Window {
     return arena.meeting(a, b, false, a.met == j && b.met == i, limit);
   }
 
-  /// Root of the tree that a disc is in.
-  KOKKOS_INLINE_FUNCTION int root_of(int i) const
-  {
-    for (;;) {
-      int const up = *static_cast<int const volatile*>(&m.parent(i));
-      if (up == i)
-        return i;
-      i = up;
-    }
-  }
-
-  /// Makes two trees one. The root of a finished tree is its lowest slot, whoever came first.
-  KOKKOS_INLINE_FUNCTION void unite(int i, int j) const
-  {
-    for (;;) {
-      i = root_of(i);
-      j = root_of(j);
-      if (i == j)
-        return;
-      int const high = i > j ? i : j, low = i > j ? j : i;
-      if (Kokkos::atomic_compare_exchange(&m.parent(high), high, low) == high)
-        return;
-    }
-  }
-
   /// Gives a disc marks, and makes sure that it is listed among the members.
   KOKKOS_INLINE_FUNCTION void enlist(int i, int marks) const
   {
-    int const before = Kokkos::atomic_fetch_or(&m.marks(i), marks | mark::member | mark::listed);
+    int const before = fetch_or<Space>(m.marks(i), marks | mark::member | mark::listed);
     if ((before & mark::listed) == 0)
-      m.members(Kokkos::atomic_fetch_add(&m.counts().members, 1)) = i;
+      m.members(fetch_add<Space>(m.counts().members, 1)) = i;
   }
 
   /// Notes that discs i, a member of an island, and j, of another island or none, meet.
   KOKKOS_INLINE_FUNCTION void join(int i, int j) const
   {
-    unite(i, j);
+    m.forest.unite(i, j);
     enlist(i, mark::touched);
     enlist(j, mark::touched);
-    Kokkos::atomic_fetch_add(&m.counts().joints, 1);
+    fetch_add<Space>(m.counts().joints, 1);
   }
 
   /// Puts a disc in the island of `root`.
@@ -263,7 +235,7 @@ struct Window {
   {
     m.flights(i).island = root;
     m.trial(i).island = root;
-    m.next(i) = Kokkos::atomic_exchange(&m.head(root), i);
+    m.chains.append(root, i);
   }
 
   /// Takes a member back to the beginning of the window.
@@ -278,9 +250,11 @@ struct Window {
   KOKKOS_INLINE_FUNCTION void dissolve(int i) const
   {
     m.flights(i).island = partner::none;
-    m.parent(i) = i;
+    m.forest.reset(i);
+    m.chains.reset(i);
     m.marks(i) = 0;
-    m.head(i) = -1;
+    m.finished(i) = 0;
+    m.evolved(i) = 0;
   }
 
   KOKKOS_INLINE_FUNCTION bool is_contested(int i) const
@@ -290,7 +264,7 @@ struct Window {
   KOKKOS_INLINE_FUNCTION void contest(int i) const
   {
     if (!is_contested(i))
-      Kokkos::atomic_fetch_or(&m.marks(i), mark::contested);
+      fetch_or<Space>(m.marks(i), mark::contested);
   }
 
   /// Whether a member's flight in this window is another than without its island.
@@ -355,7 +329,7 @@ struct ListDue {
       count += w.m.predictions(i).due < w.end ? 1 : 0;
     if (count == 0)
       return;
-    int entry = Kokkos::atomic_fetch_add(&w.m.counts().members, count);
+    int entry = fetch_add<Space>(w.m.counts().members, count);
     for (int i = begin; i < end; ++i)
       if (w.m.predictions(i).due < w.end) {
         w.m.members(entry++) = i;
@@ -378,30 +352,10 @@ struct FindMeetings {
       next = w.predict(i, flights(i), [&](int j) -> Flight<Real> const& { return flights(j); });
     if (!(next.due < w.end))
       return;
-    Kokkos::atomic_fetch_or(&w.m.marks(i), mark::member);
+    fetch_or<Space>(w.m.marks(i), mark::member);
     if (next.with >= 0) {
-      w.unite(i, next.with);
+      w.m.forest.unite(i, next.with);
       w.enlist(next.with, 0);
-    }
-  }
-};
-
-/// Puts every member into its island.
-template <class Space, class Real, bool periodic>
-struct FormIslands {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k);
-    if ((w.m.marks(i) & mark::member) == 0)
-      return;
-    int const root = w.root_of(i);
-    w.reset(i);
-    w.enter_island(i, root);
-    if (i == root) {
-      w.m.finished(i) = 0;
-      w.m.tallies(i) = {};
     }
   }
 };
@@ -423,13 +377,12 @@ struct EvolveIslands {
     if (w.m.flights(root).island != root || w.m.finished(root) != 0)
       return;
     int size = 0;
-    for (int i = w.m.head(root); i >= 0; i = w.m.next(i))
-      ++size;
+    w.m.chains.for_each(root, [&](int) { ++size; });
     if (size > largest) {
       ++outcome.too_large;
       return;
     }
-    Tally& tally = w.m.tallies(root);
+    IslandEvents& tally = w.m.tallies(root);
     for (;;) {
       int const i = earliest(root);
       Prediction<Real> const next = w.m.trial_predictions(i);
@@ -492,10 +445,11 @@ struct EvolveIslands {
   /// The member whose flight ends first.
   KOKKOS_INLINE_FUNCTION int earliest(int root) const
   {
-    int first = w.m.head(root);
-    for (int i = w.m.next(first); i >= 0; i = w.m.next(i))
+    int first = w.m.chains.first(root);
+    w.m.chains.for_each(root, [&](int i) {
       if (is_before(i, first))
         first = i;
+    });
     return first;
   }
 
@@ -515,7 +469,7 @@ struct EvolveIslands {
     return a_low != b_low ? a_low < b_low : a1 + a2 < b1 + b2;
   }
 
-  KOKKOS_INLINE_FUNCTION void collide(int root, int i, int j, Real time, Tally& tally) const
+  KOKKOS_INLINE_FUNCTION void collide(int root, int i, int j, Real time, IslandEvents& tally) const
   {
     auto const &a = w.m.trial(i), &b = w.m.trial(j);
     auto const p = a.at(time), q = b.at(time);
@@ -526,10 +480,7 @@ struct EvolveIslands {
     ++tally.collisions;
     tally.lost_pairs += (kinetic_energy(before.first) + kinetic_energy(before.second)) -
                         (kinetic_energy(after.first) + kinetic_energy(after.second));
-    // Half the difference of the two kicks: each of them where the law conserves momentum.
-    auto const kick = (as<double>(after.second) - as<double>(before.second)) -
-                      (as<double>(after.first) - as<double>(before.first));
-    tally.virial += 0.5 * dot(kick, as<double>(d));
+    tally.virial += virial_of(before, after, d);
     begin_flight(i, p, after.first, time, j);
     begin_flight(j, q, after.second, time, i);
     predict(root, i);
@@ -537,7 +488,7 @@ struct EvolveIslands {
   }
 
   KOKKOS_INLINE_FUNCTION void hit_wall(int root, int i, Prediction<Real> const& next,
-                                       Tally& tally) const
+                                       IslandEvents& tally) const
   {
     Real const time = next.due;
     auto p = w.m.trial(i).at(time);
@@ -564,7 +515,7 @@ struct EvolveIslands {
   {
     auto& f = w.m.trial(i);
     if (w.changed(i)) {
-      int const entry = Kokkos::atomic_fetch_add(&w.m.counts().log, 1);
+      int const entry = fetch_add<Space>(w.m.counts().log, 1);
       if (entry < static_cast<int>(w.m.log.extent(0))) {
         w.m.log(entry) = {f, w.m.past(i)};
         w.m.past(i) = entry;
@@ -644,10 +595,10 @@ struct MarkGrownIslands {
     int const i = w.m.members(k);
     if ((w.m.marks(i) & mark::touched) == 0)
       return;
-    int const root = w.root_of(i);
-    Kokkos::atomic_exchange(&w.m.finished(root), 0);
-    Kokkos::atomic_exchange(&w.m.head(root), -1);
-    Kokkos::atomic_exchange(&w.m.evolved(root), 0);
+    int const root = w.m.forest.root(i);
+    exchange<Space>(w.m.finished(root), 0);
+    exchange<Space>(w.m.chains.first(root), Chains<Space>::none);
+    exchange<Space>(w.m.evolved(root), 0);
   }
 };
 
@@ -662,17 +613,16 @@ struct CountEvolvedParts {
     w.m.marks(i) &= ~mark::touched;
     if (w.m.flights(i).island != i)
       return;
-    int const root = w.root_of(i);
-    if (w.m.finished(root) == 0 && Kokkos::atomic_fetch_add(&w.m.evolved(root), 1) == 0 &&
-        root != i)
+    int const root = w.m.forest.root(i);
+    if (w.m.finished(root) == 0 && fetch_add<Space>(w.m.evolved(root), 1) == 0 && root != i)
       w.m.tallies(root) = w.m.tallies(i);
   }
 };
 
-/// Forms grown islands with their new members. An island that has met single discs only goes on
-/// where it was; where islands have met each other, all begin again.
+/// Puts every member into its island, if that is new or has grown. An island that has met single
+/// discs only goes on where it was; where islands have met each other, all begin again.
 template <class Space, class Real, bool periodic>
-struct FormGrownIslands {
+struct FormIslands {
   Window<Space, Real, periodic> w;
 
   KOKKOS_INLINE_FUNCTION void operator()(int k) const
@@ -680,7 +630,7 @@ struct FormGrownIslands {
     int const i = w.m.members(k);
     if ((w.m.marks(i) & mark::member) == 0)
       return;
-    int const root = w.root_of(i);
+    int const root = w.m.forest.root(i);
     if (w.m.finished(root) != 0)
       return;
     bool const goes_on = w.m.evolved(root) == 1;
@@ -728,7 +678,7 @@ struct CommitIslands {
       w.m.predictions(i) = w.m.trial_predictions(i);
     }
     if (island == i) {
-      Tally const& tally = w.m.tallies(i);
+      IslandEvents const& tally = w.m.tallies(i);
       books.lost_pairs.add(tally.lost_pairs, scales.energy);
       books.lost_walls.add(tally.lost_walls, scales.energy);
       books.virial.add(tally.virial, scales.virial);

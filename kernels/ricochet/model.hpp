@@ -69,8 +69,10 @@ struct DiscProblem {
 /// Every problem of the discs of an initial state, in order; empty when the state can be simulated.
 std::vector<DiscProblem> problems(Model const& model, std::vector<DiscState> const& discs);
 
-/// Share of the box covered by `count` discs: count pi radius^2 / (width height). 0.9069 is the
-/// densest possible packing of discs that do not overlap.
+/// Share of the plane that discs can cover at most without overlap, just above pi / sqrt(12).
+constexpr double densest_packing = 0.9069;
+
+/// Share of the box covered by `count` discs: count pi radius^2 / (width height).
 double packing_fraction(Model const& model, std::size_t count);
 
 } // namespace ricochet

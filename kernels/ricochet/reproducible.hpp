@@ -7,6 +7,8 @@
 
 #include "ricochet/kokkos_compat.hpp"
 
+#include <stdexcept>
+
 #if defined(__FAST_MATH__)
 #error "ricochet's results are defined by IEEE arithmetic: build without -ffast-math or -Ofast"
 #endif
@@ -51,6 +53,17 @@ bool contracts(Space const& space)
   space.fence();
   Kokkos::deep_copy(out, probe.out);
   return out(0) != 0 || out(1) != 0 || out(2) != 0;
+}
+
+/// Throws std::runtime_error if it does, in either number format.
+template <class Space>
+void require_no_contraction(Space const& space)
+{
+  if (contracts<double>(space) || contracts<float>(space))
+    throw std::runtime_error(
+        "this build fuses multiplications and additions (floating-point contraction), so its "
+        "results would differ from other machines': build with -ffp-contract=off, or "
+        "--fmad=false");
 }
 
 } // namespace ricochet

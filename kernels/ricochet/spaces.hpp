@@ -25,4 +25,21 @@ constexpr bool has_two_spaces = !std::is_same_v<ParallelSpace, SerialSpace>;
 constexpr bool parallel_is_device =
     !Kokkos::SpaceAccessibility<ParallelSpace, Kokkos::HostSpace>::accessible;
 
+/// An execution space as an argument.
+template <class Space>
+struct SpaceTag {
+  using type = Space;
+};
+
+/// Calls use(SpaceTag<Space>{}) for the space of one thread or for the parallel one; returns what
+/// it returns.
+template <class Use>
+auto with_space(bool one_thread, Use const& use)
+{
+  if constexpr (has_two_spaces)
+    if (one_thread)
+      return use(SpaceTag<SerialSpace>{});
+  return use(SpaceTag<ParallelSpace>{});
+}
+
 } // namespace ricochet

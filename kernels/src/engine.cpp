@@ -1,7 +1,6 @@
 #include "ricochet/engine.hpp"
 
-#include "event_driven_engines.hpp"
-#include "fixed_step_engines.hpp"
+#include "compiled_engines.hpp"
 #include "ricochet/spaces.hpp"
 
 #include <algorithm>
@@ -58,13 +57,11 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
 {
   require_valid(model, method, initial);
   bool const one_thread = prefers_one_thread(method.placement, initial.size());
-  if (method.engine == EngineKind::events)
-    return method.precision == Precision::single_
-               ? make_event_driven<float>(model, method, initial, one_thread)
-               : make_event_driven<double>(model, method, initial, one_thread);
-  if (method.precision == Precision::single_)
-    return make_fixed_step<float>(model, method, initial, one_thread);
-  return make_fixed_step<double>(model, method, initial, one_thread);
+  bool const single = method.precision == Precision::single_;
+  auto const make = method.engine == EngineKind::events
+                        ? (single ? make_event_driven<float> : make_event_driven<double>)
+                        : (single ? make_fixed_step<float> : make_fixed_step<double>);
+  return make(model, method, initial, one_thread);
 }
 
 char const* name(EngineKind engine)
