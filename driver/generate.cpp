@@ -282,14 +282,8 @@ std::vector<DiscState> generate_discs(Settings const& settings, Model const& mod
 
 Exit generate(GenerateOptions const& options)
 {
-  for (std::string const& path : {options.output, options.config})
-    if (!path.empty() && path != "-") {
-      for (std::string const& input : {options.scene.file, options.scene.config})
-        if (!input.empty() && same_file(path, input))
-          throw Failure(Exit::cannot_create,
-                        fmt::format("cannot create '{}': it is an input", path));
-      check_output(path, options.force);
-    }
+  check_outputs({options.output, options.config}, {options.scene.file, options.scene.config},
+                options.force);
   Scene const scene = read_scene(options.scene, Purpose::states);
   ProblemList problems;
   Overlaps const overlaps = find_overlaps(scene.model, scene.discs);

@@ -63,6 +63,25 @@ bool same_file(std::string const& a, std::string const& b)
   return resolved(a) == resolved(b);
 }
 
+void check_outputs(std::vector<std::string> const& outputs, std::vector<std::string> const& inputs,
+                   bool replace)
+{
+  std::vector<std::string> checked;
+  for (std::string const& output : outputs) {
+    if (output.empty() || output == "-")
+      continue;
+    for (std::string const& input : inputs)
+      if (!input.empty() && same_file(output, input))
+        throw Failure(Exit::cannot_create,
+                      fmt::format("cannot create '{}': it is an input", output));
+    for (std::string const& other : checked)
+      if (same_file(output, other))
+        throw Failure(Exit::usage, fmt::format("'{}' is named for two outputs", output));
+    check_output(output, replace);
+    checked.push_back(output);
+  }
+}
+
 OutputFile::OutputFile(std::string path, bool replace) : path_(std::move(path))
 {
   if (path_ == "-") {

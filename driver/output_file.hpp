@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ricochet::driver {
 
@@ -15,6 +16,12 @@ void check_output(std::string const& path, bool replace);
 
 /// True if both paths lead to the same file.
 bool same_file(std::string const& a, std::string const& b);
+
+/// Throws Failure if any of `outputs` cannot be made in the sense of check_output(), stands in
+/// place of one of `inputs`, or is named twice. Empty paths, and "-" among the outputs, mean no
+/// file.
+void check_outputs(std::vector<std::string> const& outputs, std::vector<std::string> const& inputs,
+                   bool replace);
 
 /// A text result on its way to a file, or to standard output if the path is "-".
 class OutputFile {

@@ -10,9 +10,6 @@
 
 namespace ricochet::driver {
 
-/// The share of the plane that discs can cover at most without overlap, just above pi / sqrt(12).
-constexpr double densest_packing = 0.9069;
-
 /// A vector in the plane.
 struct Vector {
   double x, y;

@@ -27,26 +27,6 @@ namespace ricochet::driver {
 
 namespace {
 
-// Refuses what cannot be written, and outputs in place of inputs or of one another.
-void check_outputs(RunOptions const& options, Settings const& settings)
-{
-  std::vector<std::string> outputs;
-  for (std::string const& path : {settings.file.value_or(""), options.final_file, options.json})
-    if (!path.empty() && path != "-")
-      outputs.push_back(path);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::string const& input :
-         {options.scene.file, options.scene.config, settings.states.value_or("")})
-      if (!input.empty() && same_file(outputs[i], input))
-        throw Failure(Exit::cannot_create,
-                      fmt::format("cannot create '{}': it is an input", outputs[i]));
-    for (std::size_t j = 0; j < i; ++j)
-      if (same_file(outputs[i], outputs[j]))
-        throw Failure(Exit::usage, fmt::format("'{}' is named for two outputs", outputs[i]));
-    check_output(outputs[i], options.force);
-  }
-}
-
 // Refuses options for a trajectory that is not written.
 void check_frame_options(RunOptions const& options, Settings const& settings)
 {
@@ -408,7 +388,9 @@ Exit run(RunOptions const& options)
     return Exit::done;
   }
   check_frame_options(options, scene.settings);
-  check_outputs(options, scene.settings);
+  check_outputs({scene.settings.file.value_or(""), options.final_file, options.json},
+                {options.scene.file, options.scene.config, scene.settings.states.value_or("")},
+                options.force);
   if (options.dry_run) {
     Outlook const expected = outlook(scene);
     std::string text = in_words(scene, expected);

@@ -19,8 +19,6 @@ namespace ricochet::driver {
 
 namespace {
 
-constexpr double most_steps = 9007199254740992; // 2^53
-
 Settings read_settings(SceneOptions const& options, ProblemList& problems)
 {
   Settings settings;
@@ -77,7 +75,7 @@ std::int64_t steps_in(Settings const& settings, std::string const& key, double t
   at.name = "";
   double const ratio = time / dt;
   std::string const what = fmt::format("{} {}", shown_name(settings, key), shortest(time));
-  if (!(ratio < most_steps)) {
+  if (!(ratio < static_cast<double>(most_steps))) {
     problems.add(at, fmt::format("{} is {} steps of {}, more than can be counted", what,
                                  shortest(ratio), shortest(dt)));
     return 0;
@@ -182,7 +180,7 @@ std::optional<std::int64_t> whole_steps(double time, double dt)
   double const ratio = time / dt;
   double const whole = std::round(ratio);
   // dt, the division and a `time` that was a product each round once.
-  if (!(whole < most_steps) ||
+  if (!(whole < static_cast<double>(most_steps)) ||
       std::abs(ratio - whole) > 4 * std::numeric_limits<double>::epsilon() * whole)
     return std::nullopt;
   return static_cast<std::int64_t>(whole);

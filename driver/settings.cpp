@@ -15,7 +15,6 @@ namespace ricochet::driver {
 
 namespace {
 
-constexpr std::int64_t most_steps = std::int64_t{1} << 53; // a double still counts them
 constexpr std::int64_t most_discs = (std::int64_t{1} << 30) - 1;
 
 /// What is wrong with a value; nothing if it is good.
@@ -169,7 +168,7 @@ bool has_reciprocal(double value)
 }
 bool is_packing(double value)
 {
-  return value > 0 && value <= 0.9069;
+  return value > 0 && value <= densest_packing;
 }
 
 Key integer(char const* name, std::optional<std::int64_t> Settings::*member, std::int64_t least,

@@ -15,6 +15,9 @@
 
 namespace ricochet::driver {
 
+/// Most steps that a double still counts.
+constexpr std::int64_t most_steps = std::int64_t{1} << 53;
+
 enum class Compression { automatic, none, deflate };
 
 /// How generated discs are placed.
