@@ -289,18 +289,34 @@ TEST(EngineBits, AreTheReferencesInBoxesOfEveryShape)
   }
 }
 
+/// A run of `steps` steps, taken one at a time, with a look at the state after each.
+Run start_and_look(Scene const& scene, Way const& way, int steps)
+{
+  auto run = start(scene, way);
+  for (int step = 0; step < steps; ++step) {
+    run->advance(1);
+    run->report();
+    run->state_hash();
+  }
+  return run;
+}
+
+void expect_same_across_restart(Scene const& scene, Way const& way, std::int64_t before,
+                                std::int64_t after)
+{
+  SCOPED_TRACE(name(way));
+  Scene later = scene;
+  later.discs = states_after(scene, way, before);
+  EXPECT_TRUE(same_bits(states_after(later, way, after), states_after(scene, way, before + after)));
+}
+
 // A disc's own history must not matter: a run that stops, reports and goes on is the same run.
 TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
 {
   auto const scene = crowd(300, 0.6, 20, Ids::shuffled, 9.81, scaling, walls, walls, 3);
   for (auto const& way : all_ways()) {
     SCOPED_TRACE(name(way));
-    auto const one_by_one = start(scene, way);
-    for (int step = 0; step < 40; ++step) {
-      one_by_one->advance(1);
-      one_by_one->report();
-      one_by_one->state_hash();
-    }
+    auto const one_by_one = start_and_look(scene, way, 40);
     auto const at_once = start(scene, way);
     at_once->advance(40);
     EXPECT_TRUE(same_bits(states(one_by_one), states(at_once)));
@@ -312,12 +328,8 @@ TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
 TEST(EngineBits, AreTheSameAcrossARestart)
 {
   auto const scene = crowd(300, 0.6, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
-  for (auto const& way : all_ways()) {
-    SCOPED_TRACE(name(way));
-    Scene later = scene;
-    later.discs = states_after(scene, way, 25);
-    EXPECT_TRUE(same_bits(states_after(later, way, 15), states_after(scene, way, 40)));
-  }
+  for (auto const& way : all_ways())
+    expect_same_across_restart(scene, way, 25, 15);
 }
 
 std::vector<Way> event_ways()
@@ -366,12 +378,8 @@ TEST(EventBits, AreTheSameOnOneThreadAndOnTheDefaultBackend)
 TEST(EventBits, AreTheSameAcrossARestart)
 {
   auto const scene = fluid(500, 0.5, 0.5, elastic, periodic, walls, 32);
-  for (auto const& way : event_ways()) {
-    SCOPED_TRACE(name(way));
-    Scene later = scene;
-    later.discs = states_after(scene, way, 3);
-    EXPECT_TRUE(same_bits(states_after(later, way, 3), states_after(scene, way, 6)));
-  }
+  for (auto const& way : event_ways())
+    expect_same_across_restart(scene, way, 3, 3);
 }
 
 TEST(EventBits, DoNotDependOnHowStepsAreGroupedOrOnWhoLooks)
@@ -379,12 +387,7 @@ TEST(EventBits, DoNotDependOnHowStepsAreGroupedOrOnWhoLooks)
   auto const scene = fluid(500, 0.5, 0, scaling, walls, walls, 33);
   for (auto const& way : event_ways()) {
     SCOPED_TRACE(name(way));
-    auto const one_by_one = start(scene, way);
-    for (int step = 0; step < 5; ++step) {
-      one_by_one->advance(1);
-      one_by_one->report();
-      one_by_one->state_hash();
-    }
+    auto const one_by_one = start_and_look(scene, way, 5);
     auto const at_once = start(scene, way);
     at_once->advance(5);
     EXPECT_TRUE(same_bits(states(one_by_one), states(at_once)));
