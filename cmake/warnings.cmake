@@ -3,9 +3,10 @@
 function(ricochet_warnings target)
   set(both
     -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wformat=2 -Wcast-align
-    -Wfloat-conversion    # double to float unasked: the single precision engines round where they say
-    -Wdouble-promotion)   # and float to double: they compute in float
-  set(gnu -Wduplicated-cond -Wduplicated-branches -Wlogical-op)
+    -Wfloat-conversion)   # double to float unasked: the single precision engines round where they say
+  set(gnu
+    -Wdouble-promotion    # and float to double: they compute in float (clang warns of conversions asked for too)
+    -Wduplicated-cond -Wduplicated-branches -Wlogical-op)
   if(NOT "CUDA" IN_LIST Kokkos_DEVICES)
     list(APPEND both -Wmissing-declarations -Wextra-semi) # not true of what nvcc makes of the source
   endif()

@@ -106,10 +106,10 @@ class Neighbours {
     unsigned hits = 0;
 #pragma omp simd reduction(| : hits)
     for (int lane = 0; lane < width; ++lane) {
-      hits |= near(begin_0 + lane) & (lane < size_0) ? 1u << lane : 0u;
-      hits |= near(begin_1 + lane) & (lane < size_1) ? 1u << width << lane : 0u;
+      hits |= (near(begin_0 + lane) & (lane < size_0)) ? 1u << lane : 0u;
+      hits |= (near(begin_1 + lane) & (lane < size_1)) ? 1u << width << lane : 0u;
       if constexpr (rows > 2)
-        hits |= near(begin_2 + lane) & (lane < size_2) ? 1u << 2 * width << lane : 0u;
+        hits |= (near(begin_2 + lane) & (lane < size_2)) ? 1u << 2 * width << lane : 0u;
     }
     while (hits != 0) {
       int const bit = lowest_bit(hits);

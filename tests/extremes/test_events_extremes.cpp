@@ -14,7 +14,7 @@
 namespace ricochet::test {
 namespace {
 
-constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
+constexpr auto periodic = Boundary::periodic;
 Contact const elastic{Law::swap_scale, 1, 1};
 
 /// In both precisions, on one thread and on the default backend.

@@ -15,7 +15,7 @@
 namespace ricochet::test {
 namespace {
 
-constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
+constexpr auto periodic = Boundary::periodic;
 Contact const elastic{Law::swap_scale, 1, 1}, scaling{Law::swap_scale, 0.93, 0.9},
     damping{Law::restitution, 0.9, 0.8};
 
