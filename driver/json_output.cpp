@@ -54,6 +54,7 @@ std::string as_json(Summary const& summary)
   json["windows"] = report.windows;
   json["executions"] = {{"islands", report.executions.islands},
                         {"crowd", report.executions.crowd},
+                        {"rounds", report.executions.rounds},
                         {"in_order", report.executions.in_order}};
   json["max_overlap"] = report.max_overlap;
   json["max_outside"] = report.max_outside;

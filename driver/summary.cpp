@@ -35,9 +35,10 @@ std::string in_words(Summary const& summary)
   text += fmt::format("\n  collisions  {} pairs ({} of them separating), {} walls\n", r.collisions,
                       r.separating_hits, r.wall_hits);
   ExecutionCounts const& x = r.executions;
-  if (x.islands + x.crowd + x.in_order > 0)
-    text += fmt::format("  executed    {} steps by islands, {} with a crowd, {} in order\n",
-                        x.islands, x.crowd, x.in_order);
+  if (x.islands + x.crowd + x.rounds + x.in_order > 0)
+    text += fmt::format(
+        "  executed    {} steps by islands, {} with a crowd, {} in rounds, {} in order\n",
+        x.islands, x.crowd, x.rounds, x.in_order);
   if (r.windows > 0)
     text += fmt::format("  executed    {} windows\n", r.windows);
   text += fmt::format(

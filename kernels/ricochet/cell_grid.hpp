@@ -324,12 +324,12 @@ class CellGrid {
     : spare_(count),
       unsorted_cell_(uninitialised<Ints>("ricochet::unsorted_cell", count)),
       rank_(uninitialised<Ints>("ricochet::rank_in_cell", count)),
-      cell_(uninitialised<Ints>("ricochet::cell_of_slot", count)),
-      slot_of_id_(uninitialised<Ints>("ricochet::slot_of_id", count))
+      cell_(uninitialised<Ints>("ricochet::cell_of_slot", count))
   {
     Box const& box = model.box;
-    // Larger cells where discs are sparse, or there would be many empty ones to go through.
-    double const sparse = std::sqrt(0.3 * box.width / std::max(count, 1) * box.height);
+    // A disc a cell where they are sparse: there are fewer cells to go through, and a search, which
+    // reads several discs at once, finds no more to read.
+    double const sparse = std::sqrt(box.width / std::max(count, 1) * box.height);
     double const side = std::max(2.5 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);
@@ -346,9 +346,6 @@ class CellGrid {
 
   /// Of each slot, as of the last sort: its cell.
   Ints const& cell() const { return cell_; }
-
-  /// The slot of each id, as of the last sort.
-  Ints const& slot_of_id() const { return slot_of_id_; }
 
   /// Memory for N discs, and for two numbers a disc, that is free between sorts. Its contents are
   /// lost in the next sort.
@@ -367,7 +364,7 @@ class CellGrid {
 
   Cells<Space> cells_;
   Discs<Space, Real> spare_;
-  Ints unsorted_cell_, rank_, cell_, slot_of_id_;
+  Ints unsorted_cell_, rank_, cell_;
 };
 
 template <class Space, class Real>
@@ -377,8 +374,7 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   int const n = discs.count();
   auto const from = discs, to = spare_;
   auto const cells = cells_;
-  auto const start = cells_.start, unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_,
-             slot_of_id = slot_of_id_;
+  auto const start = cells_.start, unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_;
 
   Kokkos::deep_copy(space, start, 0);
   Kokkos::parallel_for(
@@ -410,13 +406,11 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   }
   Kokkos::parallel_for(
       "ricochet::store_by_cell", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
-        int const c = unsorted_cell(i), id = from.id(i);
-        int const slot = start(c) + rank(i);
+        int const c = unsorted_cell(i), slot = start(c) + rank(i);
         to.set_position(slot, from.position(i));
         to.set_velocity(slot, from.velocity(i));
-        to.id(slot) = id;
+        to.id(slot) = from.id(i);
         cell(slot) = c;
-        slot_of_id(id) = slot;
       });
   std::swap(discs, spare_);
 }

@@ -16,7 +16,6 @@ struct PairState {
   Discs<Space, Real> discs;
   Discs<Space, Real> spare; ///< memory for as many, of no meaning yet, with the same ids
   Ints cell;                ///< where each disc is stored, by slot
-  Ints slot_of_id;
   Cells<Space> cells;
   Domain<Real, periodic> domain;
   Box box;

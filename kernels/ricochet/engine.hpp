@@ -34,9 +34,10 @@ enum class Placement {
 
 /// How `sweep` executes its ordered loop. The result is the same, to the bit.
 enum class Execution {
-  automatic, ///< by islands, or in order where the islands are too large
+  automatic, ///< by islands; where they are too large, in rounds on a device, in order on a host
   islands,   ///< always by islands, whatever their size
   crowd,     ///< all islands of a step together, by one thread
+  rounds,    ///< all pairs at once that are the next of both their discs, round by round
   in_order   ///< the loop as it is written, by one thread
 };
 
@@ -50,9 +51,9 @@ struct Method {
 };
 
 /// How many steps of `sweep` were executed in which way: by islands only, with a crowd of large
-/// islands besides, or in order.
+/// islands besides, in rounds, or in order.
 struct ExecutionCounts {
-  std::int64_t islands = 0, crowd = 0, in_order = 0;
+  std::int64_t islands = 0, crowd = 0, rounds = 0, in_order = 0;
 };
 
 /// Where the energy went. `numerical` is what the method itself created (positive) or destroyed

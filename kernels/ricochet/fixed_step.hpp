@@ -12,6 +12,19 @@
 
 namespace ricochet {
 
+/// A disc's motion through a step, and then its walls.
+template <class Flight, class Walls>
+struct FlyThenBounce {
+  Flight fly;
+  Walls bounce;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
+  {
+    fly(i);
+    bounce(i, books);
+  }
+};
+
 /// An engine that advances all discs by the same fixed step: contacts, then motion, then walls.
 ///
 /// `PairStep` resolves the contacts of a state whose overlaps were found. All work is queued on one
@@ -29,7 +42,7 @@ class FixedStep : public Engine {
       law_(contact_law<Real>(model.contact)),
       discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
       grid_(model, discs_.count()),
-      pairs_(grid_, method.execution, discs_.count()),
+      pairs_(grid_, 2 * model.radius, method.execution, discs_.count()),
       books_(model, method.dt, initial),
       part_("ricochet::part_of_books")
   {
@@ -61,14 +74,14 @@ class FixedStep : public Engine {
     ProfilingRegion const region("ricochet::step");
     grid_.sort(space_, discs_);
     resolve_contacts();
-    fly(space_, discs_, model_.gravity, dt_);
-    bounce_off_walls(space_, discs_, model_, books_.scales(), part_);
+    fly_and_bounce_off_walls();
     enter<Space>(space_, books_.view(), part_);
     books_.count_step();
   }
 
  public: // nvcc takes device lambdas and launches only from public functions
   void resolve_contacts();
+  void fly_and_bounce_off_walls();
   void look_at_start();
 
  private:
@@ -87,12 +100,9 @@ class FixedStep : public Engine {
   {
     auto spare = grid_.spare();
     spare.id = discs_.id;
-    return {discs_,         spare,
-            grid_.cell(),   grid_.slot_of_id(),
-            grid_.cells(),  Domain<Real, periodic>(model_.box),
-            model_.box,     diameter_,
-            model_.gravity, books_.scales(),
-            books_.view()};
+    return {
+        discs_,     spare,     grid_.cell(),   grid_.cells(),   Domain<Real, periodic>(model_.box),
+        model_.box, diameter_, model_.gravity, books_.scales(), books_.view()};
   }
 
   void note_warnings(EngineKind engine);
@@ -116,6 +126,21 @@ void FixedStep<Space, Real, PairStep>::resolve_contacts()
   ProfilingRegion const region("ricochet::resolve_contacts");
   with_boundaries([&](auto periodic) {
     std::visit([&](auto const& law) { pairs_.resolve(space_, pair_state<periodic>(), law); }, law_);
+  });
+}
+
+/// Motion and walls in one kernel: either alone does little more than wait for memory.
+template <class Space, class Real, class PairStep>
+void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
+{
+  with_flight(discs_, model_.gravity, dt_, [&](auto const& fly) {
+    with_walls(discs_, model_, books_.scales(), [&](auto const& bounce) {
+      Kokkos::parallel_reduce(
+          "ricochet::fly_and_bounce_off_walls",
+          Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
+          FlyThenBounce<std::decay_t<decltype(fly)>, std::decay_t<decltype(bounce)>>{fly, bounce},
+          Merge<Books, Space>(part_));
+    });
   });
 }
 

@@ -24,20 +24,19 @@ struct Fly {
   }
 };
 
-/// Moves every disc through one step; walls and other discs are ignored.
-template <class Space, class Real>
-void fly(Space const& space, Discs<Space, Real> const& discs, double gravity, double dt)
+/// Calls use(fly) with the motion through one step, of discs that walls and others ignore.
+template <class Space, class Real, class Use>
+void with_flight(Discs<Space, Real> const& discs, double gravity, double dt, Use const& use)
 {
   auto const step = static_cast<Real>(dt);
   auto const gain = static_cast<Real>(gravity) * step;
-  Kokkos::RangePolicy<Space> const all(space, 0, discs.count());
   if (gravity != 0)
-    Kokkos::parallel_for("ricochet::fly", all, Fly<Space, Real, true>{discs, step, gain});
+    use(Fly<Space, Real, true>{discs, step, gain});
   else
-    Kokkos::parallel_for("ricochet::fly", all, Fly<Space, Real, false>{discs, step, gain});
+    use(Fly<Space, Real, false>{discs, step, gain});
 }
 
-/// Energy that fly() gives a disc in one step. With G = g dt:
+/// Energy that Fly gives a disc in one step. With G = g dt:
 ///   kinetic: ((v - G)^2 - v^2)/2 = -v G + G^2/2,   potential: g (v - G) dt = v G - G^2.
 template <class Real>
 double flight_error(double gravity, double dt)

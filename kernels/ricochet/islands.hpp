@@ -70,10 +70,11 @@ struct Chains {
 
   KOKKOS_INLINE_FUNCTION void reset(int node) const { first(node) = none; }
 
-  /// No thread may read the list of `node` meanwhile.
-  KOKKOS_INLINE_FUNCTION void append(int node, int slot) const
+  /// Returns whether the list was empty before. No thread may read the list of `node` meanwhile.
+  KOKKOS_INLINE_FUNCTION bool append(int node, int slot) const
   {
     next(slot) = exchange<Space>(first(node), slot);
+    return next(slot) == none;
   }
 
   /// Calls visit(slot) for each slot of the list of `node`; it may append that slot to another

@@ -34,6 +34,53 @@ struct Pushes {
   }
 };
 
+/// The pushes of a pair step, by slot, and a list of the discs that were pushed far.
+template <class Space>
+struct PushLog {
+  using Memory = typename Space::memory_space;
+
+  Kokkos::View<Pushes*, Memory> pushes;
+  Kokkos::View<char*, Memory> is_far; ///< or was, before it was taken back
+  Kokkos::View<int*, Memory> far;     ///< those discs, each once
+  Kokkos::View<int, Memory> far_count;
+  float far_from; ///< the path from which on they are [length]
+
+  PushLog(int discs, double far_path)
+    : pushes("ricochet::pushes", discs),
+      is_far("ricochet::is_far", discs),
+      far(uninitialised<Kokkos::View<int*, Memory>>("ricochet::pushed_far", discs)),
+      far_count("ricochet::pushed_far_count"),
+      far_from(static_cast<float>(far_path))
+  {
+  }
+
+  int count_far(Space const& space) const
+  {
+    int count = 0;
+    space.fence();
+    Kokkos::deep_copy(count, far_count);
+    return count;
+  }
+
+  KOKKOS_INLINE_FUNCTION Pushes const& operator()(int slot) const { return pushes(slot); }
+
+  KOKKOS_INLINE_FUNCTION void add(int slot, int row, double length) const
+  {
+    pushes(slot).add(row, length);
+    if (pushes(slot).path <= far_from || is_far(slot) != 0)
+      return;
+    is_far(slot) = 1;
+    far(fetch_add<Space>(far_count(), 1)) = slot;
+  }
+
+  KOKKOS_INLINE_FUNCTION void take_back(int slot) const { pushes(slot) = Pushes{}; }
+  KOKKOS_INLINE_FUNCTION void reset(int slot) const
+  {
+    take_back(slot);
+    is_far(slot) = 0;
+  }
+};
+
 /// The response of two overlapping discs, i before j in the order of ids: both velocities follow
 /// the law, and j is pushed along the normal until the two just touch.
 ///
@@ -43,11 +90,13 @@ template <class Space, class Real, class LawType, bool periodic>
 struct OrderedContact {
   PairState<Space, Real, periodic> state;
   Kokkos::View<Tally*, typename Space::memory_space> tally;
+  Kokkos::View<char*, typename Space::memory_space> takes_part; ///< whether it does, by slot
   LawType law;
 
   /// Copies a disc that is to take part.
   KOKKOS_INLINE_FUNCTION void take(int slot) const
   {
+    takes_part(slot) = 1;
     state.spare.set_position(slot, state.discs.position(slot));
     state.spare.set_velocity(slot, state.discs.velocity(slot));
   }
@@ -76,38 +125,6 @@ struct OrderedContact {
     ++second.received;
     second.separating += dot(before.second - before.first, normal) >= 0 ? 1 : 0;
     return push;
-  }
-};
-
-/// Ends a pair step: takes over what was done to the discs that had contacts, and makes up the
-/// books.
-template <class Space, class Real, bool periodic>
-struct Conclude {
-  PairState<Space, Real, periodic> state;
-  Kokkos::View<Tally*, typename Space::memory_space> tally;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int slot, Books& books) const
-  {
-    Tally const own = tally(slot);
-    if (own.contacts == 0)
-      return;
-    tally(slot) = Tally{};
-    auto const velocity = state.spare.velocity(slot);
-    // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
-    // over its pushes.
-    books.lost_pairs.add(kinetic_energy(state.discs.velocity(slot)) - kinetic_energy(velocity),
-                         state.scales.energy);
-    state.discs.set_velocity(slot, velocity);
-    if (own.received == 0)
-      return;
-    auto const position = state.spare.position(slot);
-    double const rise = static_cast<double>(position.y) - static_cast<double>(state.discs.y(slot));
-    books.numerical.add(state.gravity * rise, state.scales.energy);
-    books.virial.add(own.virial, state.scales.virial);
-    books.collisions += own.received;
-    books.separating_hits += own.separating;
-    books.max_overlap = own.deepest > books.max_overlap ? own.deepest : books.max_overlap;
-    state.discs.set_position(slot, position);
   }
 };
 

@@ -75,7 +75,8 @@ struct LastPartnerWins {
 template <class Space, class Real>
 class SimultaneousPairs {
  public:
-  SimultaneousPairs(CellGrid<Space, Real> const&, Execution, int) : books_("ricochet::pair_books")
+  SimultaneousPairs(CellGrid<Space, Real> const&, double, Execution, int)
+    : books_("ricochet::pair_books")
   {
   }
 

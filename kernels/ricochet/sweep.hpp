@@ -12,11 +12,13 @@
 //     that met are united, taken back and executed again, until none meets another. Then every pair
 //     has had its turn: inside an island in order, and between islands none overlapped in its turn.
 // Islands too large for one work item are a crowd, executed by one thread; where the crowd holds
-// too many of the discs, one thread executes the loop as it is written.
+// too many of the discs, one thread executes the loop as it is written. On a device, where one
+// thread is slow, rounds of pairs take the place of both.
 #pragma once
 
 #include "ricochet/sweep_in_order.hpp"
 #include "ricochet/sweep_islands.hpp"
+#include "ricochet/sweep_rounds.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -27,11 +29,13 @@ namespace ricochet {
 template <class Space, class Real>
 class OrderedPairs {
  public:
-  OrderedPairs(CellGrid<Space, Real> const& grid, Execution execution, int discs)
+  OrderedPairs(CellGrid<Space, Real> const& grid, double diameter, Execution execution, int discs)
     : execution_(execution),
       strays_(grid),
-      islands_(discs),
+      // So that most searches keep to the cells around.
+      islands_(discs, (grid.cells().side() - diameter) / 2),
       tally_("ricochet::tally", discs),
+      takes_part_("ricochet::takes_part", discs),
       part_("ricochet::part_of_pair_books")
   {
   }
@@ -47,28 +51,52 @@ class OrderedPairs {
   using Range = Kokkos::RangePolicy<Space>;
   using Counts = typename Islands<Space>::Counts;
 
-  /// A crowd of more than this part of the discs is not worth its islands, nor is a state that
-  /// needs more passes than this.
-  static constexpr int crowded = 4, most_passes = 12;
-  /// After a step that was not, steps are taken in order for a while, twice as long each time.
+  /// Whether the kernels run on the host, whose threads are fast one by one.
+  static constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
+  /// Where a crowd is more than this part of the discs, or as many must be verified again, one
+  /// thread is done sooner in order; and where it takes more passes than this. To execute a crowd
+  /// costs about as much as to verify a tenth of the discs.
+  static constexpr int worthwhile_part = 4, most_passes = 12, crowd_part = 10;
+  /// After a step that was not worth it, islands are left alone for a while, twice as long each
+  /// time.
   static constexpr int longest_pause = 32;
+  static constexpr int too_much = std::numeric_limits<int>::max();
+
+  static bool is_too_much(int pass, int again, int crowd, int discs)
+  {
+    return pass > most_passes || again > discs / worthwhile_part ||
+           crowd > (on_host ? discs / worthwhile_part : 0);
+  }
+
+  bool by_islands() const
+  {
+    return execution_ != Execution::rounds && execution_ != Execution::in_order;
+  }
+  bool by_rounds() const
+  {
+    return execution_ == Execution::rounds || (execution_ == Execution::automatic && !on_host);
+  }
 
  public: // nvcc takes device lambdas only from public functions
   template <bool periodic>
   int find_islands(Space const& space, PairState<Space, Real, periodic> const& state);
   template <class LawType, bool periodic>
-  bool resolve_islands(Space const& space,
-                       OrderedContact<Space, Real, LawType, periodic> const& contact);
+  int resolve_islands(Space const& space,
+                      OrderedContact<Space, Real, LawType, periodic> const& contact);
   template <class LawType, bool periodic>
-  float execute_islands(Space const& space,
-                        OrderedContact<Space, Real, LawType, periodic> const& contact, int islands);
+  bool resolve_rounds(Space const& space,
+                      OrderedContact<Space, Real, LawType, periodic> const& contact);
   template <class LawType, bool periodic>
-  float execute_crowd(Space const& space,
-                      OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd);
+  void execute_islands(Space const& space,
+                       OrderedContact<Space, Real, LawType, periodic> const& contact, int islands);
+  template <class LawType, bool periodic>
+  void execute_crowd(Space const& space,
+                     OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd);
   template <bool periodic>
-  Counts verify(Space const& space, PairState<Space, Real, periodic> const& state, int islands,
-                int crowd, bool all, float longest);
+  int verify(Space const& space, PairState<Space, Real, periodic> const& state, int islands,
+             int crowd, bool all);
   void take_back(Space const& space, int wrong);
+  void take_all_back(Space const& space, int discs);
   template <class LawType, bool periodic>
   void resolve_in_order(Space const& space,
                         OrderedContact<Space, Real, LawType, periodic> const& contact,
@@ -86,7 +114,9 @@ class OrderedPairs {
   Execution execution_;
   Strays<Space> strays_;
   Islands<Space> islands_;
-  Kokkos::View<Tally*, typename Space::memory_space> tally_; ///< all zero between steps
+  Kokkos::View<Tally*, typename Space::memory_space> tally_;     ///< all zero between steps
+  Kokkos::View<char*, typename Space::memory_space> takes_part_; ///< and this too
+  Rounds<Space, Real> rounds_;
   BooksView<Space> part_;
   int pause_ = 0, steps_to_pause_ = 0;
   ExecutionCounts executions_;
@@ -98,57 +128,69 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
                                         PairState<Space, Real, periodic> const& state,
                                         LawType const& law)
 {
-  OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, law};
+  OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, takes_part_, law};
   Range const all(space, 0, state.discs.count());
-  if (execution_ == Execution::in_order || steps_to_pause_ > 0) {
-    steps_to_pause_ = std::max(steps_to_pause_ - 1, 0);
-    resolve_in_order(space, contact, true);
-  } else if (resolve_islands(space, contact)) {
-    pause_ = 0;
-  } else {
-    pause_ = std::min(std::max(2 * pause_, 1), longest_pause);
+  auto const islands = islands_;
+  Kokkos::parallel_for(
+      "ricochet::reset_counts", Range(space, 0, 1), KOKKOS_LAMBDA(int) { islands.reset_counts(); });
+  bool done = false;
+  if (steps_to_pause_ > 0) {
+    --steps_to_pause_;
+  } else if (by_islands()) {
+    int const again = resolve_islands(space, contact);
+    done = again != too_much;
+    bool const paid =
+        execution_ != Execution::automatic || again <= state.discs.count() / worthwhile_part;
+    pause_ = paid ? 0 : std::min(std::max(2 * pause_, 1), longest_pause);
     steps_to_pause_ = pause_;
-    Kokkos::deep_copy(space, islands_.is_wrong, 0);
-    Kokkos::parallel_for("ricochet::take_back_all", all, TakeBack<Space>{tally_, islands_.pushes});
+  }
+  if (!done && by_rounds()) {
+    take_all_back(space, state.discs.count());
+    done = resolve_rounds(space, contact);
+  }
+  if (!done) {
+    take_all_back(space, state.discs.count());
     resolve_in_order(space, contact, true);
   }
-  Kokkos::parallel_reduce("ricochet::conclude", all, Conclude<Space, Real, periodic>{state, tally_},
+  Kokkos::parallel_reduce("ricochet::conclude", all,
+                          Conclude<Space, Real, LawType, periodic>{contact, islands_},
                           Merge<Books, Space>(part_));
   enter<Space>(space, state.books, part_);
 }
 
-/// Resolves all contacts by islands. Returns false, with the state half done, where that does not
-/// pay.
+/// Resolves all contacts by islands. Returns how many discs had to be verified again, or
+/// `too_much`, with the state half done, where islands do not pay.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-bool OrderedPairs<Space, Real>::resolve_islands(
+int OrderedPairs<Space, Real>::resolve_islands(
     Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact)
 {
   auto const& state = contact.state;
-  bool const any_size = execution_ != Execution::automatic;
+  int const n = state.discs.count();
   int islands = find_islands(space, state);
-  float longest = 0;
   int crowd = 0; // as it was last executed
+  int again = 0;
   Counts found;
   for (int pass = 1; islands > 0 || found.crowd_wrong != 0; ++pass) {
-    if (!any_size && pass > most_passes)
-      return false;
-    longest = std::max(longest, execute_islands(space, contact, islands));
-    bool const again = found.crowd_wrong != 0;
+    execute_islands(space, contact, islands);
+    bool const crowd_was_wrong = found.crowd_wrong != 0;
     found = counts(space);
-    if (!any_size && found.crowd > state.discs.count() / crowded)
-      return false;
+    if (execution_ == Execution::automatic && is_too_much(pass, again, found.crowd, n))
+      return too_much;
     int crowd_to_verify = 0;
-    if (again || found.crowd > crowd) {
+    if (crowd_was_wrong || found.crowd > crowd) {
       crowd_to_verify = crowd = found.crowd;
-      longest = std::max(longest, execute_crowd(space, contact, crowd));
+      execute_crowd(space, contact, crowd);
+      again += n / crowd_part;
     }
-    found = verify(space, state, islands, crowd_to_verify, pass == 1, longest);
+    int const verified = verify(space, state, islands, crowd_to_verify, pass == 1);
+    again += pass == 1 ? 0 : verified;
+    found = counts(space);
     islands = found.wrong;
     take_back(space, islands);
   }
   ++(crowd > 0 ? executions_.crowd : executions_.islands);
-  return true;
+  return again;
 }
 
 /// Unites discs that overlap, and lists the islands of more than one disc. Returns their number.
@@ -159,51 +201,33 @@ int OrderedPairs<Space, Real>::find_islands(Space const& space,
 {
   auto const islands = islands_;
   int const n = state.discs.count();
-  Kokkos::parallel_for(
-      "ricochet::reset_islands", Range(space, 0, n + 1),
-      KOKKOS_LAMBDA(int node) { islands.reset(node); });
-  Kokkos::parallel_for(
-      "ricochet::unite_overlapping", Range(space, 0, n),
-      UniteOverlapping<Space, Real, periodic>{state, state.neighbours(), islands.forest});
+  Kokkos::parallel_for("ricochet::unite_overlapping", Range(space, 0, n),
+                       FindOverlapping<Space, Real, periodic, UnitePairs<Space>>{
+                           state, state.neighbours(), {islands.forest}});
   Kokkos::parallel_for(
       "ricochet::join_islands", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
         int const node = Islands<Space>::node(slot), root = islands.forest.root(node);
-        islands.of_disc(slot) = root;
         if (root != node)
-          islands.members.append(root, slot);
+          islands.join(root, slot);
       });
-  int found = 0;
-  Kokkos::parallel_scan(
-      "ricochet::list_islands", Range(space, 1, n + 1),
-      KOKKOS_LAMBDA(int node, int& before, bool final) {
-        if (islands.members.first(node) == Chains<Space>::none)
-          return;
-        if (final)
-          islands.list(before) = node;
-        ++before;
-      },
-      found);
-  return found;
+  return counts(space).found;
 }
 
-/// Executes the islands of the list. Returns the longest path of a disc in them.
+/// Executes the islands of the list.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-float OrderedPairs<Space, Real>::execute_islands(
+void OrderedPairs<Space, Real>::execute_islands(
     Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int islands)
 {
   int const largest = execution_ == Execution::crowd ? 1 : island_limit;
-  float longest = 0;
-  Kokkos::parallel_reduce("ricochet::execute_islands", Range(space, 0, islands),
-                          ExecuteIsland<Space, Real, LawType, periodic>{contact, islands_, largest},
-                          Kokkos::Max<float>(longest));
-  return longest;
+  Kokkos::parallel_for("ricochet::execute_islands", Range(space, 0, islands),
+                       ExecuteIsland<Space, Real, LawType, periodic>{contact, islands_, largest});
 }
 
-/// Executes the crowd, from the start. Returns the longest path of a disc in it.
+/// Executes the crowd, from the start.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-float OrderedPairs<Space, Real>::execute_crowd(
+void OrderedPairs<Space, Real>::execute_crowd(
     Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd)
 {
   auto const islands = islands_;
@@ -214,40 +238,41 @@ float OrderedPairs<Space, Real>::execute_crowd(
         contact.take(islands.crowd(k));
       });
   resolve_in_order(space, contact, false);
-  float longest = 0;
-  Kokkos::parallel_reduce(
-      "ricochet::longest_path_in_crowd", Range(space, 0, crowd),
-      KOKKOS_LAMBDA(int k, float& most) {
-        float const path = islands.pushes(islands.crowd(k)).path;
-        most = most < path ? path : most;
-      },
-      Kokkos::Max<float>(longest));
-  return longest;
 }
 
-/// Verifies what was executed in this pass. Returns what was found.
+/// Verifies what was executed in this pass. Returns of how many discs that was.
 template <class Space, class Real>
 template <bool periodic>
-typename OrderedPairs<Space, Real>::Counts
-OrderedPairs<Space, Real>::verify(Space const& space, PairState<Space, Real, periodic> const& state,
-                                  int islands, int crowd, bool all, float longest)
+int OrderedPairs<Space, Real>::verify(Space const& space,
+                                      PairState<Space, Real, periodic> const& state, int islands,
+                                      int crowd, bool all)
 {
-  Verify<Space, Real, periodic> const verify{state, state.neighbours(), islands_, all,
-                                             static_cast<double>(longest)};
+  Verify<Space, Real, periodic, UniteIslands<Space>> const verify{
+      state, state.neighbours(), islands_.pushes, {islands_}, all};
   auto const all_islands = islands_;
+  int const far = all ? 0 : islands_.pushes.count_far(space);
+  int in_islands = 0;
   Kokkos::parallel_for(
       "ricochet::forget_wrong_islands", Range(space, 0, 1),
       KOKKOS_LAMBDA(int) { all_islands.forget_wrong(); });
-  Kokkos::parallel_for(
-      "ricochet::verify_islands", Range(space, 0, islands), KOKKOS_LAMBDA(int k) {
+  Kokkos::parallel_reduce(
+      "ricochet::verify_islands", Range(space, 0, islands),
+      KOKKOS_LAMBDA(int k, int& verified) {
         int const root = all_islands.list(k);
-        if (all_islands.of_disc(root - 1) == root) // or it was executed as part of another
-          all_islands.for_members(root, [&](int slot) { verify.disc(slot); });
-      });
+        if (all_islands.of_disc(root - 1) != root)
+          return; // it was executed as part of another
+        all_islands.for_members(root, [&](int slot) {
+          verify(slot);
+          ++verified;
+        });
+      },
+      in_islands);
   Kokkos::parallel_for(
       "ricochet::verify_crowd", Range(space, 0, crowd),
-      KOKKOS_LAMBDA(int k) { verify.disc(all_islands.crowd(k)); });
-  return counts(space);
+      VerifyListed<Space, Real, periodic, UniteIslands<Space>>{verify, islands_.crowd});
+  Kokkos::parallel_for("ricochet::verify_far", Range(space, 0, far),
+                       VerifyFar<Space, Real, periodic, UniteIslands<Space>>{verify});
+  return in_islands + crowd + far;
 }
 
 /// Takes back what was done to the islands that were found wrong, and makes them the list.
@@ -275,6 +300,28 @@ void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
       });
 }
 
+/// Takes back everything that was done in this step.
+template <class Space, class Real>
+void OrderedPairs<Space, Real>::take_all_back(Space const& space, int discs)
+{
+  Kokkos::parallel_for("ricochet::take_all_back", Range(space, 0, discs),
+                       TakeBack<Space>{tally_, islands_.pushes});
+}
+
+/// Resolves all contacts in rounds. Returns false, with the state half done, where that does not
+/// pay.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+bool OrderedPairs<Space, Real>::resolve_rounds(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact)
+{
+  bool const any_number = execution_ == Execution::rounds;
+  bool const done = rounds_.resolve(space, contact, islands_,
+                                    any_number ? std::numeric_limits<int>::max() : most_passes);
+  executions_.rounds += done ? 1 : 0;
+  return done;
+}
+
 /// Executes the loop as it is written, for everyone or for the crowd.
 template <class Space, class Real>
 template <class LawType, bool periodic>
@@ -289,6 +336,11 @@ void OrderedPairs<Space, Real>::resolve_in_order(
         KOKKOS_LAMBDA(int slot) { contact.take(slot); });
   }
   strays_.clear(space);
+  auto const id = contact.state.discs.id;
+  auto const slot_of_id = strays_.slot_of_id;
+  Kokkos::parallel_for(
+      "ricochet::find_ids", Range(space, 0, contact.state.discs.count()),
+      KOKKOS_LAMBDA(int slot) { slot_of_id(id(slot)) = slot; });
   Kokkos::parallel_for(
       "ricochet::resolve_in_order", Range(space, 0, 1),
       ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, islands_, everyone));

@@ -15,6 +15,7 @@ struct Strays {
   Ints first; ///< in each cell, or none
   Ints next;  ///< after each slot in its list, none, or not_astray
   Ints cell;  ///< which list that is
+  Ints slot_of_id;
   /// Whether there ever was one in each cell or around it.
   Kokkos::View<char*, typename Space::memory_space> near;
 
@@ -23,6 +24,7 @@ struct Strays {
     : first(uninitialised<Ints>("ricochet::first_stray", grid.cells().count())),
       next(grid.scratch()),
       cell(grid.more_scratch()),
+      slot_of_id(uninitialised<Ints>("ricochet::slot_of_id", next.extent(0))),
       near("ricochet::strays_near_cell", grid.cells().count())
   {
   }
@@ -85,7 +87,7 @@ class ResolveInOrder {
   {
     int const n = contact_.state.discs.count();
     for (int id = 0; id < n; ++id) {
-      int const slot = contact_.state.slot_of_id(id);
+      int const slot = strays_.slot_of_id(id);
       if (takes_part(slot))
         resolve_row(id, slot);
     }
@@ -129,7 +131,7 @@ class ResolveInOrder {
       for (int k = 0; k < batch.size; ++k) {
         Real const push = contact_(i, batch.slot[k]);
         if (!everyone_)
-          islands_.pushes(batch.slot[k]).add(id, static_cast<double>(push));
+          islands_.pushes.add(batch.slot[k], id, static_cast<double>(push));
         follow(batch.slot[k]);
       }
       more = batch.size == Batch::capacity;

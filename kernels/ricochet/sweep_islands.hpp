@@ -7,13 +7,15 @@
 namespace ricochet {
 
 /// The islands of a pair step. Node s + 1 is disc s; node 0 is the crowd: all islands too large for
-/// one work item, taken together. An island is called by the root of its tree.
+/// one work item, taken together. An island is called by the root of its tree. Between steps every
+/// disc is an island of its own, and nothing is noted.
 template <class Space>
 struct Islands {
   using Ints = Kokkos::View<int*, typename Space::memory_space>;
 
   /// What the host must know to go on.
   struct Counts {
+    int found = 0;       ///< islands of more than one disc at the start
     int wrong = 0;       ///< islands that have met others
     int crowd = 0;       ///< discs in the crowd
     int crowd_wrong = 0; ///< whether it has met others
@@ -26,10 +28,10 @@ struct Islands {
   Ints wrong;            ///< islands that have met others; the next list
   Ints is_wrong;         ///< whether a node is in it
   Ints crowd;            ///< discs of the crowd
-  Kokkos::View<Pushes*, typename Space::memory_space> pushes;
+  PushLog<Space> pushes;
   Kokkos::View<Counts, typename Space::memory_space> counts;
 
-  explicit Islands(int discs)
+  Islands(int discs, double far_path)
     : forest(discs + 1),
       members(discs + 1, discs),
       of_disc(uninitialised<Ints>("ricochet::island_of_disc", discs)),
@@ -37,9 +39,11 @@ struct Islands {
       wrong(uninitialised<Ints>("ricochet::wrong_islands", discs + 1)),
       is_wrong("ricochet::is_wrong_island", discs + 1),
       crowd(uninitialised<Ints>("ricochet::crowd", discs)),
-      pushes("ricochet::pushes", discs),
+      pushes(discs, far_path),
       counts("ricochet::island_counts")
   {
+    Kokkos::parallel_for("ricochet::reset_islands", Kokkos::RangePolicy<Space>(0, discs),
+                         Reset{*this});
   }
 
   static KOKKOS_INLINE_FUNCTION int node(int slot) { return slot + 1; }
@@ -52,15 +56,34 @@ struct Islands {
     visit(root - 1);
   }
 
-  /// Makes `node` an island of its own, or the crowd empty.
-  KOKKOS_INLINE_FUNCTION void reset(int node) const
+  /// Makes a disc an island of its own, of which nothing is noted.
+  KOKKOS_INLINE_FUNCTION void reset(int slot) const
   {
-    forest.reset(node);
-    members.reset(node);
-    if (node == 0)
-      counts() = Counts{};
-    else
-      pushes(node - 1) = Pushes{};
+    forest.reset(node(slot));
+    members.reset(node(slot));
+    of_disc(slot) = node(slot);
+    is_wrong(node(slot)) = 0;
+    pushes.reset(slot);
+  }
+  struct Reset {
+    Islands islands;
+    KOKKOS_INLINE_FUNCTION void operator()(int slot) const { islands.reset(slot); }
+  };
+
+  /// Makes the crowd empty, and all counts 0.
+  KOKKOS_INLINE_FUNCTION void reset_counts() const
+  {
+    forest.reset(0);
+    counts() = Counts{};
+    pushes.far_count() = 0;
+  }
+
+  /// Adds a disc to the island of another, as of its start.
+  KOKKOS_INLINE_FUNCTION void join(int root, int slot) const
+  {
+    of_disc(slot) = root;
+    if (members.append(root, slot))
+      list(fetch_add<Space>(counts().found, 1)) = root;
   }
 
   /// Adds a disc to an island, or to the crowd.
@@ -90,19 +113,47 @@ struct Islands {
   }
 };
 
-/// Unites all discs that overlap.
-template <class Space, class Real, bool periodic>
-struct UniteOverlapping {
+/// Finds all pairs of discs that overlap.
+template <class Space, class Real, bool periodic, class Pairs>
+struct FindOverlapping {
   PairState<Space, Real, periodic> state;
   Neighbours<Space, Real, periodic> neighbours;
-  Forest<Space> forest;
+  Pairs pairs; ///< notes them
 
   KOKKOS_INLINE_FUNCTION void operator()(int slot) const
   {
     Real const reach2 = state.diameter * state.diameter;
-    neighbours.for_each_ahead(state.cell(slot), slot, reach2, [&](int k, Vec2<Real>) {
-      forest.unite(Islands<Space>::node(slot), Islands<Space>::node(k));
-    });
+    neighbours.for_each_ahead(state.cell(slot), slot, reach2,
+                              [&](int k, Vec2<Real>) { pairs.note(slot, k); });
+  }
+};
+
+/// What becomes of pairs that overlap at the start: one island.
+template <class Space>
+struct UnitePairs {
+  Forest<Space> forest;
+
+  KOKKOS_INLINE_FUNCTION void note(int j, int k) const
+  {
+    forest.unite(Islands<Space>::node(j), Islands<Space>::node(k));
+  }
+};
+
+/// What becomes of pairs of different islands that overlap in their turn: they are one island that
+/// was executed wrongly.
+template <class Space>
+struct UniteIslands {
+  Islands<Space> islands;
+
+  KOKKOS_INLINE_FUNCTION bool apart(int j, int k) const
+  {
+    return islands.of_disc(j) != islands.of_disc(k);
+  }
+  KOKKOS_INLINE_FUNCTION void note(int j, int k) const
+  {
+    islands.forest.unite(islands.of_disc(j), islands.of_disc(k));
+    islands.note_wrong(islands.of_disc(j));
+    islands.note_wrong(islands.of_disc(k));
   }
 };
 
@@ -116,7 +167,7 @@ struct ExecuteIsland {
   Islands<Space> islands;
   int largest; ///< larger islands join the crowd; at most island_limit
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k, float& longest) const
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const
   {
     int const root = islands.list(k);
     islands.is_wrong(root) = 0;
@@ -129,7 +180,7 @@ struct ExecuteIsland {
       ++size;
     });
     if (size <= largest)
-      execute(slot, size, longest);
+      execute(slot, size);
     else
       join_crowd(root, size);
   }
@@ -143,7 +194,7 @@ struct ExecuteIsland {
     slot[at] = member;
   }
 
-  KOKKOS_INLINE_FUNCTION void execute(int const* slot, int size, float& longest) const
+  KOKKOS_INLINE_FUNCTION void execute(int const* slot, int size) const
   {
     auto const& state = contact.state;
     Real const reach2 = state.diameter * state.diameter;
@@ -158,9 +209,7 @@ struct ExecuteIsland {
         if (!(dot(d, d) < reach2))
           continue;
         Real const push = contact(i, j);
-        Pushes& pushes = islands.pushes(j);
-        pushes.add(state.discs.id(i), static_cast<double>(push));
-        longest = longest < pushes.path ? pushes.path : longest;
+        islands.pushes.add(j, state.discs.id(i), static_cast<double>(push));
       }
     }
   }
@@ -176,43 +225,62 @@ struct ExecuteIsland {
   }
 };
 
-/// Compares what was executed with what was not: finds the pairs of discs of different islands that
-/// overlapped when it was their turn, and unites their islands.
+/// Compares what was executed with what was not: finds the pairs of discs that overlapped when it
+/// would have been their turn, and had none.
 ///
 /// In row a, disc a is where it will stay, and disc b > a is where the rows before a have pushed
 /// it. Each disc that was pushed looks around its final place, where it can have met others in
 /// three ways: one that stayed, or was yet to be pushed, and is found within a diameter; one that
 /// had been pushed, which the disc with the longer path finds, as the other's start is within a
 /// diameter and its path; and, if it was pushed more than once, at a place on its path.
-template <class Space, class Real, bool periodic>
+///
+/// Discs that are executed again must also find those that are not, and were pushed: they look
+/// farther, or, which is cheaper where these were pushed far, are looked for.
+template <class Space, class Real, bool periodic, class Pairs>
 struct Verify {
   PairState<Space, Real, periodic> state;
   Neighbours<Space, Real, periodic> neighbours; ///< where discs started
-  Islands<Space> islands;
-  /// Whether every island is verified; or only some, whose discs must look for all others.
+  PushLog<Space> pushes;
+  Pairs pairs; ///< knows which had no turn, and notes those that should have had one
+  /// Whether all discs are verified that were executed in this step; or those that were executed
+  /// again, and all that were pushed far.
   bool all;
-  double longest; ///< path of any disc
 
-  KOKKOS_INLINE_FUNCTION void disc(int j) const
+  /// Verifies a disc that was executed.
+  KOKKOS_INLINE_FUNCTION void operator()(int j) const
   {
-    auto const own = islands.pushes(j);
-    if (all && own.last_row < 0)
-      return; // it stayed
-    double const path = static_cast<double>(own.path);
-    double reach = static_cast<double>(state.diameter) + path;
-    if (!all)
-      reach += longest;
-    else if (own.first_row != own.last_row)
-      reach += path;
+    double const path = static_cast<double>(pushes(j).path);
+    double const far = static_cast<double>(pushes.far_from);
+    if (all)
+      pushed(j);
+    else // others, which do not look for it, may have been pushed up to `far`
+      look_around(j, path + (on_a_path(j) && path > far ? path : far));
+  }
+
+  /// Verifies a disc if it was pushed.
+  KOKKOS_INLINE_FUNCTION void pushed(int j) const
+  {
+    double const path = static_cast<double>(pushes(j).path);
+    if (pushes(j).last_row >= 0)
+      look_around(j, on_a_path(j) ? 2 * path : path);
+  }
+
+ private:
+  /// Whether a disc has been at places between its start and its end.
+  KOKKOS_INLINE_FUNCTION bool on_a_path(int j) const
+  {
+    return pushes(j).first_row < pushes(j).last_row;
+  }
+
+  /// Looks for discs stored within a diameter and `more` of a disc's final place.
+  KOKKOS_INLINE_FUNCTION void look_around(int j, double more) const
+  {
     auto const visit = [&](int k, Vec2<Real>) {
-      if (islands.of_disc(k) == islands.of_disc(j) || !overlapped_in_turn(j, k))
-        return;
-      islands.forest.unite(islands.of_disc(j), islands.of_disc(k));
-      islands.note_wrong(islands.of_disc(j));
-      islands.note_wrong(islands.of_disc(k));
+      if (pairs.apart(j, k) && overlapped_in_turn(j, k))
+        pairs.note(j, k);
     };
-    auto const p = own.last_row < 0 ? state.discs.position(j) : state.spare.position(j);
-    double const margin = neighbours.margin(reach);
+    auto const p = at(j, true);
+    double const margin = neighbours.margin(static_cast<double>(state.diameter) + more);
     auto const r = static_cast<Real>(margin);
     if (margin <= state.cells.side())
       neighbours.for_each_around(state.cells.at(p), p, r * r, -1, visit);
@@ -220,40 +288,93 @@ struct Verify {
       neighbours.for_each_within(p, r, visit);
   }
 
- private:
   KOKKOS_INLINE_FUNCTION bool overlapped_in_turn(int j, int k) const
   {
     bool const j_first = state.discs.id(j) < state.discs.id(k);
     int const a = j_first ? j : k, b = j_first ? k : j;
     int const row = state.discs.id(a);
-    auto const pushes = islands.pushes(b);
+    Pushes const of_b = pushes(b);
     Real reach = state.diameter;
-    if (pushes.first_row < row && row < pushes.last_row)
-      // It was somewhere on its path; and to unite islands that have not met does no harm.
+    if (of_b.first_row < row && row < of_b.last_row)
+      // It was somewhere on its path; and to note a pair that has not met does no harm.
       reach = static_cast<Real>(
-          neighbours.margin(static_cast<double>(reach) + static_cast<double>(pushes.path)));
-    auto const d = state.domain.separation(at(a, true), at(b, row > pushes.first_row));
+          neighbours.margin(static_cast<double>(reach) + static_cast<double>(of_b.path)));
+    auto const d = state.domain.separation(at(a, true), at(b, row > of_b.first_row));
     return dot(d, d) < reach * reach;
   }
 
   /// Where a disc started, or ended.
   KOKKOS_INLINE_FUNCTION Vec2<Real> at(int slot, bool end) const
   {
-    return end && islands.pushes(slot).last_row >= 0 ? state.spare.position(slot)
-                                                     : state.discs.position(slot);
+    return end && pushes(slot).last_row >= 0 ? state.spare.position(slot)
+                                             : state.discs.position(slot);
   }
+};
+
+/// Verifies the discs of a list.
+template <class Space, class Real, bool periodic, class Pairs>
+struct VerifyListed {
+  Verify<Space, Real, periodic, Pairs> verify;
+  Kokkos::View<int*, typename Space::memory_space> list;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const { verify(list(k)); }
+};
+
+/// Verifies the discs that were pushed far, for those of other islands that were executed again.
+template <class Space, class Real, bool periodic, class Pairs>
+struct VerifyFar {
+  Verify<Space, Real, periodic, Pairs> verify;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const { verify.pushed(verify.pushes.far(k)); }
 };
 
 /// Takes back what was done to a disc in this pair step.
 template <class Space>
 struct TakeBack {
   Kokkos::View<Tally*, typename Space::memory_space> tally;
-  Kokkos::View<Pushes*, typename Space::memory_space> pushes;
+  PushLog<Space> pushes;
 
   KOKKOS_INLINE_FUNCTION void operator()(int slot) const
   {
     tally(slot) = Tally{};
-    pushes(slot) = Pushes{};
+    pushes.take_back(slot);
+  }
+};
+
+/// Ends a pair step: takes over what was done to the discs that had contacts, makes up the books,
+/// and leaves all that was noted as it was before the step.
+template <class Space, class Real, class LawType, bool periodic>
+struct Conclude {
+  OrderedContact<Space, Real, LawType, periodic> contact;
+  Islands<Space> islands;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int slot, Books& books) const
+  {
+    if (contact.takes_part(slot) == 0)
+      return;
+    contact.takes_part(slot) = 0;
+    islands.reset(slot);
+    Tally const own = contact.tally(slot);
+    if (own.contacts == 0)
+      return;
+    contact.tally(slot) = Tally{};
+    auto const& state = contact.state;
+    auto const velocity = state.spare.velocity(slot);
+    // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
+    // over its pushes.
+    books.lost_pairs.add(kinetic_energy(state.discs.velocity(slot)) - kinetic_energy(velocity),
+                         state.scales.energy);
+    state.discs.set_velocity(slot, velocity);
+    if (own.received == 0)
+      return;
+    auto const position = state.spare.position(slot);
+    double const rise = static_cast<double>(position.y) - static_cast<double>(state.discs.y(slot));
+    books.numerical.add(state.gravity * rise, state.scales.energy);
+    books.virial.add(own.virial, state.scales.virial);
+    books.collisions += own.received;
+    books.separating_hits += own.separating;
+    books.max_overlap = own.deepest > books.max_overlap ? own.deepest : books.max_overlap;
+    state.discs.set_position(slot, position);
   }
 };
 

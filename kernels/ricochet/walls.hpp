@@ -114,15 +114,15 @@ struct BounceOffWalls {
   }
 };
 
-/// Applies the walls, or the periodicity, of each axis to every disc.
-template <class Space, class Real>
-void bounce_off_walls(Space const& space, Discs<Space, Real> const& discs, Model const& model,
-                      Scales const& scales, BooksView<Space> const& books)
+/// Calls use(bounce) with the walls, or the periodicity, of each axis.
+template <class Space, class Real, class Use>
+void with_walls(Discs<Space, Real> const& discs, Model const& model, Scales const& scales,
+                Use const& use)
 {
   auto const alpha = static_cast<Real>(model.contact.restitution);
   auto const beta = static_cast<Real>(model.contact.friction);
   auto const launch = [&](auto walls_x, auto walls_y, auto dissipative) {
-    BounceOffWalls<Space, Real, walls_x, walls_y, dissipative> const kernel{
+    use(BounceOffWalls<Space, Real, walls_x, walls_y, dissipative>{
         discs,
         Domain<Real, !(walls_x && walls_y)>(model.box),
         {alpha, beta},
@@ -131,10 +131,7 @@ void bounce_off_walls(Space const& space, Discs<Space, Real> const& discs, Model
         static_cast<Real>(model.radius),
         Outside(model),
         model.gravity,
-        scales};
-    Kokkos::parallel_reduce("ricochet::bounce_off_walls",
-                            Kokkos::RangePolicy<Space>(space, 0, discs.count()), kernel,
-                            Merge<Books, Space>(books));
+        scales});
   };
   auto const with_boundaries = [&](auto dissipative) {
     std::true_type const walls;

@@ -49,7 +49,8 @@ void expect_reference_bits(Scene const& scene, EngineKind engine, Precision prec
   if (engine != EngineKind::sweep)
     return;
   // However the ordered loop is executed, its bits and its books are the same.
-  for (auto const execution : {Execution::islands, Execution::crowd, Execution::in_order})
+  for (auto const execution :
+       {Execution::islands, Execution::crowd, Execution::rounds, Execution::in_order})
     for (auto const placement : {Placement::serial, Placement::parallel}) {
       auto const forced = start(scene, {engine, precision, placement, execution});
       forced->advance(now);
@@ -241,7 +242,8 @@ TEST_P(OrderedExecutionOfMany, IsTheLoopForTwentyThousandDiscs)
   auto const scene = crowd(20000, c.packing, 20, c.ids, 9.81, scaling, walls, walls, 31);
   Reference<double> reference(EngineKind::sweep, scene.model, scene.dt, scene.discs);
   reference.advance(2);
-  for (auto const execution : {Execution::automatic, Execution::islands, Execution::in_order}) {
+  for (auto const execution :
+       {Execution::automatic, Execution::islands, Execution::rounds, Execution::in_order}) {
     auto const run =
         start(scene, {EngineKind::sweep, Precision::double_, Placement::parallel, execution});
     run->advance(2);

@@ -113,6 +113,7 @@ testing::AssertionResult same_bits(Report const& actual, Report const& expected)
                 expected.pressure_z.has_value());
   compare_count("executions.islands", actual.executions.islands, expected.executions.islands);
   compare_count("executions.crowd", actual.executions.crowd, expected.executions.crowd);
+  compare_count("executions.rounds", actual.executions.rounds, expected.executions.rounds);
   compare_count("executions.in_order", actual.executions.in_order, expected.executions.in_order);
   compare_number("time", actual.time, expected.time);
   compare_number("max_overlap", actual.max_overlap, expected.max_overlap);

@@ -1,0 +1,375 @@
+// The ordered loop in rounds, for devices on which one thread is slow.
+//
+// To each disc the order of the loop is that of its partners' ids. So a pair may respond as soon as
+// it is the next of both its discs: in each round all pairs do of which that is true, and the
+// result is that of the loop. (The order of deterministic reservations, Blelloch, Fineman, Gibbons
+// and Shun 2012, doi 10.1145/2145816.2145840, without reserving anything.)
+#pragma once
+
+#include "ricochet/sweep_islands.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace ricochet {
+
+/// Pairs of discs, and each disc's partners in them in the order of their ids.
+template <class Space>
+struct PairLists {
+  using Memory = typename Space::memory_space;
+  using Ints = Kokkos::View<int*, Memory>;
+  static constexpr int none = -1;
+
+  /// What the host must know to go on.
+  struct Counts {
+    int pairs = 0;          ///< more than there is room for, if there is not enough
+    int active[2] = {0, 0}; ///< in each list of those that have pairs to go
+  };
+
+  Kokkos::View<int* [2], Memory> pairs; ///< slots; a pair may occur twice
+  Ints partner;                         ///< begin(s) ... end(s) - 1 are those of disc s, each once
+  Ints begin, end;
+  Ints next;      ///< of each disc, entry of the partner whose turn it is
+  Ints points_at; ///< that partner as of this round, or none
+  Ints members;
+  Ints active[2];
+  Kokkos::View<Counts, Memory> counts;
+
+  PairLists() = default;
+  explicit PairLists(int discs)
+    : begin(uninitialised<Ints>("ricochet::partners_begin", discs + 1)),
+      end(uninitialised<Ints>("ricochet::partners_end", discs)),
+      next(uninitialised<Ints>("ricochet::next_partner", discs)),
+      points_at(uninitialised<Ints>("ricochet::points_at", discs)),
+      members(uninitialised<Ints>("ricochet::members", discs)),
+      active{uninitialised<Ints>("ricochet::active", discs),
+             uninitialised<Ints>("ricochet::still_active", discs)},
+      counts("ricochet::pair_counts")
+  {
+  }
+
+  /// Adds a pair, if there is room.
+  KOKKOS_INLINE_FUNCTION void add(int a, int b) const
+  {
+    int const room = static_cast<int>(pairs.extent(0));
+    if (counts().pairs > room)
+      return; // or in a dense crowd the count would overflow
+    int const at = fetch_add<Space>(counts().pairs, 1);
+    if (at >= room)
+      return;
+    pairs(at, 0) = a;
+    pairs(at, 1) = b;
+  }
+
+  /// Sorts the partners of a disc by id, each once.
+  KOKKOS_INLINE_FUNCTION void tidy(int slot, Ints const& id) const
+  {
+    int size = 0;
+    int* const own = partner.data() + begin(slot);
+    for (int entry = 0; entry < begin(slot + 1) - begin(slot); ++entry) {
+      int const k = own[entry];
+      int at = size;
+      while (at > 0 && id(own[at - 1]) > id(k))
+        --at;
+      if (at > 0 && own[at - 1] == k)
+        continue;
+      for (int above = size; above > at; --above)
+        own[above] = own[above - 1];
+      own[at] = k;
+      ++size;
+    }
+    next(slot) = begin(slot);
+    end(slot) = begin(slot) + size;
+  }
+
+  /// Whether a pair is not among those that have their turn.
+  KOKKOS_INLINE_FUNCTION bool apart(int a, int b) const
+  {
+    for (int entry = begin(a); entry < end(a); ++entry)
+      if (partner(entry) == b)
+        return false;
+    return a != b;
+  }
+};
+
+/// A round's first half: each disc that has pairs to go points at its next partner.
+template <class Space>
+struct PointAtNext {
+  PairLists<Space> lists;
+  int from; ///< which list of active discs; the other is made
+
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const
+  {
+    auto const& counts = lists.counts();
+    if (k >= counts.active[from])
+      return;
+    int const slot = lists.active[from](k);
+    bool const any = lists.next(slot) < lists.end(slot);
+    lists.points_at(slot) = any ? lists.partner(lists.next(slot)) : PairLists<Space>::none;
+    if (any)
+      lists.active[1 - from](fetch_add<Space>(lists.counts().active[1 - from], 1)) = slot;
+  }
+};
+
+/// A round's second half: discs that point at each other respond.
+template <class Space, class Real, class LawType, bool periodic>
+struct RespondMutually {
+  OrderedContact<Space, Real, LawType, periodic> contact;
+  PairLists<Space> lists;
+  PushLog<Space> pushes;
+  int from;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int k) const
+  {
+    if (k >= lists.counts().active[from])
+      return;
+    auto const& state = contact.state;
+    int const i = lists.active[from](k), j = lists.points_at(i);
+    if (lists.points_at(j) != i || state.discs.id(j) < state.discs.id(i))
+      return;
+    ++lists.next(i);
+    ++lists.next(j);
+    auto const d = state.domain.separation(state.spare.position(i), state.spare.position(j));
+    if (dot(d, d) < state.diameter * state.diameter)
+      pushes.add(j, state.discs.id(i), static_cast<double>(contact(i, j)));
+  }
+};
+
+/// Rounds until no pair is left, by one team of threads: few pairs take many rounds.
+template <class Space, class Real, class LawType, bool periodic>
+struct FinishRounds {
+  PointAtNext<Space> point;
+  RespondMutually<Space, Real, LawType, periodic> respond;
+
+  using Member = typename Kokkos::TeamPolicy<Space>::member_type;
+
+  KOKKOS_INLINE_FUNCTION void operator()(Member const& team) const
+  {
+    auto const& lists = point.lists;
+    auto at = point;
+    auto then = respond;
+    for (int from = 0; lists.counts().active[from] > 0; from = 1 - from) {
+      at.from = from;
+      then.from = 1 - from;
+      Kokkos::parallel_for(Kokkos::TeamThreadRange(team, lists.counts().active[from]), at);
+      team.team_barrier();
+      Kokkos::parallel_for(Kokkos::TeamThreadRange(team, lists.counts().active[1 - from]), then);
+      team.team_barrier();
+      Kokkos::single(Kokkos::PerTeam(team), [&]() { lists.counts().active[from] = 0; });
+      team.team_barrier();
+    }
+  }
+};
+
+/// Lists what was found to overlap at the start or in its turn.
+template <class Space>
+struct ListPairs {
+  PairLists<Space> lists;
+  Forest<Space> forest;
+
+  KOKKOS_INLINE_FUNCTION bool apart(int j, int k) const { return lists.apart(j, k); }
+  KOKKOS_INLINE_FUNCTION void note(int j, int k) const
+  {
+    forest.unite(Islands<Space>::node(j), Islands<Space>::node(k));
+    lists.add(j, k);
+  }
+};
+
+/// Executes pair steps in rounds. Its memory is allocated when it is first used.
+template <class Space, class Real>
+class Rounds {
+ public:
+  /// Resolves all contacts. Returns false, with the state half done, if that takes more than
+  /// `most_passes`, or memory out of proportion.
+  template <class LawType, bool periodic>
+  bool resolve(Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
+               Islands<Space> const& islands, int most_passes);
+
+ private:
+  using Range = Kokkos::RangePolicy<Space>;
+  using Counts = typename PairLists<Space>::Counts;
+
+  /// Rounds by all threads, an even number; then one team finishes. So many see to 99 % of the
+  /// pairs of a gas.
+  static constexpr int rounds_by_all = 8;
+  /// A state with more pairs a disc than this is not for rounds.
+  static constexpr int most_pairs = 16;
+
+ public: // nvcc takes device lambdas only from public functions
+  template <class Find>
+  int find_pairs(Space const& space, int discs, int known, Find const& find);
+  void list_partners(Space const& space, typename PairLists<Space>::Ints const& id, int pairs);
+  template <class LawType, bool periodic>
+  int start_members(Space const& space,
+                    OrderedContact<Space, Real, LawType, periodic> const& contact,
+                    Islands<Space> const& islands, int first_pair, int pairs);
+  template <class LawType, bool periodic>
+  void execute(Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
+               Islands<Space> const& islands, int members);
+
+ private:
+  Counts counts(Space const& space) const
+  {
+    Counts counts;
+    space.fence();
+    Kokkos::deep_copy(counts, lists_.counts);
+    return counts;
+  }
+
+  PairLists<Space> lists_;
+};
+
+template <class Space, class Real>
+template <class LawType, bool periodic>
+bool Rounds<Space, Real>::resolve(Space const& space,
+                                  OrderedContact<Space, Real, LawType, periodic> const& contact,
+                                  Islands<Space> const& islands, int most_passes)
+{
+  auto const& state = contact.state;
+  int const n = state.discs.count();
+  if (lists_.begin.extent(0) == 0)
+    lists_ = PairLists<Space>(n);
+  auto const neighbours = state.neighbours();
+  int known = 0; // pairs that have had their turn
+  int found = find_pairs(space, n, 0, [&] {
+    Kokkos::parallel_for("ricochet::list_overlapping", Range(space, 0, n),
+                         FindOverlapping<Space, Real, periodic, ListPairs<Space>>{
+                             state, neighbours, {lists_, islands.forest}});
+  });
+  for (int pass = 1; found > known; ++pass) {
+    if (pass > most_passes)
+      return false;
+    list_partners(space, state.discs.id, found);
+    int const members = start_members(space, contact, islands, known, found);
+    execute(space, contact, islands, members);
+    int const far = pass == 1 ? 0 : islands.pushes.count_far(space);
+    known = found;
+    found = find_pairs(space, n, known, [&] {
+      Verify<Space, Real, periodic, ListPairs<Space>> const verify{
+          state, neighbours, islands.pushes, {lists_, islands.forest}, pass == 1};
+      Kokkos::parallel_for(
+          "ricochet::verify_rounds", Range(space, 0, members),
+          VerifyListed<Space, Real, periodic, ListPairs<Space>>{verify, lists_.members});
+      Kokkos::parallel_for("ricochet::verify_far", Range(space, 0, far),
+                           VerifyFar<Space, Real, periodic, ListPairs<Space>>{verify});
+    });
+  }
+  return found >= 0;
+}
+
+/// Has pairs found beyond those known, in memory that is large enough. Returns how many there are
+/// then, or -1 if that would be too large.
+template <class Space, class Real>
+template <class Find>
+int Rounds<Space, Real>::find_pairs(Space const& space, int discs, int known, Find const& find)
+{
+  for (;;) {
+    auto const counts_on_device = lists_.counts;
+    Kokkos::parallel_for(
+        "ricochet::forget_pairs", Range(space, 0, 1),
+        KOKKOS_LAMBDA(int) { counts_on_device().pairs = known; });
+    find();
+    int const found = counts(space).pairs, room = static_cast<int>(lists_.pairs.extent(0));
+    if (found <= room)
+      return found;
+    if (room >= most_pairs * static_cast<std::int64_t>(discs))
+      return -1;
+    auto const more = static_cast<std::size_t>(std::max(discs, 2 * room));
+    Kokkos::resize(lists_.pairs, more);
+    Kokkos::realloc(lists_.partner, 2 * more);
+  }
+}
+
+/// Makes each disc's list of partners.
+template <class Space, class Real>
+void Rounds<Space, Real>::list_partners(Space const& space,
+                                        typename PairLists<Space>::Ints const& id, int pairs)
+{
+  auto const lists = lists_;
+  auto const n = static_cast<int>(lists.next.extent(0));
+  Kokkos::deep_copy(space, lists.begin, 0);
+  Kokkos::parallel_for(
+      "ricochet::count_partners", Range(space, 0, pairs), KOKKOS_LAMBDA(int p) {
+        fetch_add<Space>(lists.begin(lists.pairs(p, 0)), 1);
+        fetch_add<Space>(lists.begin(lists.pairs(p, 1)), 1);
+      });
+  Kokkos::parallel_scan(
+      "ricochet::scan_partners", Range(space, 0, n + 1),
+      KOKKOS_LAMBDA(int slot, int& before, bool final) {
+        int const here = lists.begin(slot);
+        if (final) {
+          lists.begin(slot) = before;
+          if (slot < n)
+            lists.next(slot) = before;
+        }
+        before += here;
+      });
+  Kokkos::parallel_for(
+      "ricochet::fill_partners", Range(space, 0, pairs), KOKKOS_LAMBDA(int p) {
+        int const a = lists.pairs(p, 0), b = lists.pairs(p, 1);
+        lists.partner(fetch_add<Space>(lists.next(a), 1)) = b;
+        lists.partner(fetch_add<Space>(lists.next(b), 1)) = a;
+      });
+  Kokkos::parallel_for(
+      "ricochet::sort_partners", Range(space, 0, n),
+      KOKKOS_LAMBDA(int slot) { lists.tidy(slot, id); });
+}
+
+/// Lists the discs of the islands that the pairs from `first_pair` on belong to, and makes them as
+/// they were at the start. Returns their number.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+int Rounds<Space, Real>::start_members(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
+    Islands<Space> const& islands, int first_pair, int pairs)
+{
+  auto const lists = lists_;
+  auto const n = static_cast<int>(lists.next.extent(0));
+  Kokkos::deep_copy(space, islands.is_wrong, 0);
+  Kokkos::parallel_for(
+      "ricochet::start_rounds", Range(space, 0, 1),
+      KOKKOS_LAMBDA(int) { lists.counts().active[0] = lists.counts().active[1] = 0; });
+  Kokkos::parallel_for(
+      "ricochet::mark_islands", Range(space, first_pair, pairs), KOKKOS_LAMBDA(int p) {
+        int const node = Islands<Space>::node(lists.pairs(p, 0));
+        islands.is_wrong(islands.forest.root(node)) = 1;
+      });
+  TakeBack<Space> const take_back{contact.tally, islands.pushes};
+  Kokkos::parallel_for(
+      "ricochet::start_members", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+        int const root = islands.forest.root(Islands<Space>::node(slot));
+        if (islands.is_wrong(root) == 0)
+          return;
+        int const at = fetch_add<Space>(lists.counts().active[0], 1);
+        lists.members(at) = lists.active[0](at) = slot;
+        take_back(slot);
+        contact.take(slot);
+      });
+  return counts(space).active[0];
+}
+
+/// Executes the discs listed.
+template <class Space, class Real>
+template <class LawType, bool periodic>
+void Rounds<Space, Real>::execute(Space const& space,
+                                  OrderedContact<Space, Real, LawType, periodic> const& contact,
+                                  Islands<Space> const& islands, int members)
+{
+  auto const lists = lists_;
+  PointAtNext<Space> point{lists, 0};
+  RespondMutually<Space, Real, LawType, periodic> respond{contact, lists, islands.pushes, 1};
+  for (int round = 0; round < rounds_by_all; ++round) {
+    int const from = round % 2;
+    point.from = from;
+    respond.from = 1 - from;
+    Kokkos::parallel_for("ricochet::point_at_next", Range(space, 0, members), point);
+    Kokkos::parallel_for("ricochet::respond_mutually", Range(space, 0, members), respond);
+    Kokkos::parallel_for(
+        "ricochet::end_round", Range(space, 0, 1),
+        KOKKOS_LAMBDA(int) { lists.counts().active[from] = 0; });
+  }
+  Kokkos::parallel_for("ricochet::finish_rounds", Kokkos::TeamPolicy<Space>(space, 1, Kokkos::AUTO),
+                       FinishRounds<Space, Real, LawType, periodic>{point, respond});
+}
+
+} // namespace ricochet
