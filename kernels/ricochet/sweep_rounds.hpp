@@ -198,6 +198,7 @@ class Rounds {
  public: // nvcc takes device lambdas only from public functions
   template <class Find>
   int find_pairs(Space const& space, int discs, int known, Find const& find);
+  void forget_pairs(Space const& space, int but);
   void list_partners(Space const& space, typename PairLists<Space>::Ints const& id, int pairs);
   template <class LawType, bool periodic>
   int start_members(Space const& space,
@@ -264,10 +265,7 @@ template <class Find>
 int Rounds<Space, Real>::find_pairs(Space const& space, int discs, int known, Find const& find)
 {
   for (;;) {
-    auto const counts_on_device = lists_.counts;
-    Kokkos::parallel_for(
-        "ricochet::forget_pairs", Range(space, 0, 1),
-        KOKKOS_LAMBDA(int) { counts_on_device().pairs = known; });
+    forget_pairs(space, known);
     find();
     int const found = counts(space).pairs, room = static_cast<int>(lists_.pairs.extent(0));
     if (found <= room)
@@ -278,6 +276,16 @@ int Rounds<Space, Real>::find_pairs(Space const& space, int discs, int known, Fi
     Kokkos::resize(lists_.pairs, more);
     Kokkos::realloc(lists_.partner, 2 * more);
   }
+}
+
+/// Forgets all but the first pairs.
+template <class Space, class Real>
+void Rounds<Space, Real>::forget_pairs(Space const& space, int but)
+{
+  auto const lists = lists_;
+  Kokkos::parallel_for(
+      "ricochet::forget_pairs", Range(space, 0, 1),
+      KOKKOS_LAMBDA(int) { lists.counts().pairs = but; });
 }
 
 /// Makes each disc's list of partners.
