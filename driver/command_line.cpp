@@ -1,6 +1,7 @@
 #include "command_line.hpp"
 
 #include "exit_codes.hpp"
+#include "pictures/movie.hpp"
 #include "provenance.hpp"
 #include "settings.hpp"
 #include "text.hpp"
@@ -9,30 +10,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
+#include <sstream>
 
 namespace ricochet::driver {
 
 namespace {
 
-std::vector<std::string> const commands{"run", "generate", "validate", "info", "compare"};
+std::vector<std::string> const commands{"run", "generate", "validate", "info", "compare", "render"};
 
 [[noreturn]] void wrong(std::string const& message)
 {
   throw Failure(Exit::usage, message);
-}
-
-// `argument` as a shell would take it back.
-std::string for_shell(std::string const& argument)
-{
-  std::string const plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
-  if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos)
-    return argument;
-  std::string out = "'";
-  for (char const c : argument)
-    out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 double decimal(std::string const& option, std::string const& word, bool zero_allowed)
@@ -59,6 +49,53 @@ std::int64_t integer(std::string const& option, std::string const& word, std::in
   if (value < least || value > most)
     wrong(fmt::format("{}: found {} (allowed: an integer in {}...{})", option, word, least, most));
   return value;
+}
+
+// One of the words `allowed`.
+std::string choice(std::string const& option, std::string const& word,
+                   std::vector<std::string> const& allowed)
+{
+  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
+    std::string const hint = did_you_mean(word, allowed);
+    wrong(fmt::format("{}: found {} (allowed: {}){}{}", option, in_quotes(word), joined(allowed),
+                      hint.empty() ? "" : " ", hint));
+  }
+  return word;
+}
+
+std::vector<std::string> split(std::string const& text, char separator)
+{
+  std::vector<std::string> parts;
+  std::istringstream rest(text);
+  for (std::string part; std::getline(rest, part, separator);)
+    parts.push_back(part);
+  return parts;
+}
+
+PictureSize picture_size(std::string const& word)
+{
+  auto const parts = split(word, 'x');
+  if (parts.size() != 2)
+    wrong(fmt::format("--size: found {} (allowed: WIDTHxHEIGHT)", in_quotes(word)));
+  auto const pixels = [](std::string const& part) {
+    return static_cast<int>(integer("--size", part, 16, 16384));
+  };
+  return {pixels(parts[0]), pixels(parts[1])};
+}
+
+Region region(std::string const& word)
+{
+  std::vector<double> corners;
+  for (std::string const& part : split(word, ',')) {
+    double corner = 0;
+    if (parse_decimal(part, corner) == NumberError::none)
+      corners.push_back(corner);
+  }
+  bool const good = corners.size() == 4 && corners[0] < corners[2] && corners[1] < corners[3];
+  if (!good)
+    wrong(fmt::format("--region: found {} (allowed: X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1)",
+                      in_quotes(word)));
+  return {corners[0], corners[1], corners[2], corners[3]};
 }
 
 // Options that override a setting of the scene, for every command that reads one.
@@ -112,6 +149,13 @@ std::string const compare_examples = R"(Examples:
   ricochet compare a.csv b.csv --tolerance 1e-9        final states, up to 1e-9
   ricochet compare a.h5md last.csv                     the last frame of a.h5md and last.csv)";
 
+std::string const render_examples = R"(Examples:
+  ricochet render gas.h5md -o gas.mp4                  a movie, one picture for each frame
+  ricochet render gas.h5md -o gas.gif --rate 2 --size 480x360   two time units a second
+  ricochet render gas.h5md -o last.png --frame -1 --colour id   a still
+  ricochet render gas.toml -o start.png --frame 0      the initial states of a scene
+  ricochet render gas.h5md -o g.png --region 0,0,50,50 the pictures g_000000.png, ... of a corner)";
+
 class Reader {
  public:
   explicit Reader(std::vector<std::string> const& arguments);
@@ -120,11 +164,13 @@ class Reader {
  private:
   void reject_mistaken_command() const;
   void declare_scene(CLI::App* command, SceneOptions& scene);
+  void declare_threads(CLI::App* command, KokkosOptions& kokkos);
   void declare_run();
   void declare_generate();
   void declare_validate();
   void declare_info();
   void declare_compare();
+  void declare_render();
   CLI::Option* option(CLI::App* app, std::string const& names, std::string const& what,
                       std::string const& value,
                       std::function<void(std::string const&)> const& read);
@@ -134,6 +180,7 @@ class Reader {
               std::string const& value, std::string& target);
   void check_scene(SceneOptions const& scene) const;
   Command checked_run() const;
+  Command checked_render();
 
   CLI::App app_{"Simulates equal discs that bounce in a two-dimensional box.", "ricochet"};
   CLI::App* run_ = nullptr;
@@ -141,12 +188,14 @@ class Reader {
   CLI::App* validate_ = nullptr;
   CLI::App* info_ = nullptr;
   CLI::App* compare_ = nullptr;
+  CLI::App* render_ = nullptr;
   std::vector<std::string> arguments_;
   RunOptions run_options_;
   GenerateOptions generate_options_;
   ValidateOptions validate_options_;
   InfoOptions info_options_;
   CompareOptions compare_options_;
+  RenderOptions render_options_;
 };
 
 Reader::Reader(std::vector<std::string> const& arguments)
@@ -180,6 +229,7 @@ Reader::Reader(std::vector<std::string> const& arguments)
   declare_validate();
   declare_info();
   declare_compare();
+  declare_render();
 }
 
 // What looks like a command is not taken for a file.
@@ -254,6 +304,14 @@ void Reader::declare_scene(CLI::App* command, SceneOptions& scene)
       "Separate overlapping discs first");
 }
 
+void Reader::declare_threads(CLI::App* command, KokkosOptions& kokkos)
+{
+  option(command, "--threads", "Threads of the host (default: what OpenMP gives)", "N",
+         [&kokkos](std::string const& word) {
+           kokkos.threads = static_cast<int>(integer("--threads", word, 1, 65536));
+         });
+}
+
 void Reader::declare_run()
 {
   RunOptions& o = run_options_;
@@ -276,10 +334,7 @@ void Reader::declare_run()
   output(run_, "--final", "Write the final states as CSV; - is standard output", "FILE.csv",
          o.final_file);
   output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
-  option(run_, "--threads", "Threads of the host (default: what OpenMP gives)", "N",
-         [&](std::string const& word) {
-           o.kokkos.threads = static_cast<int>(integer("--threads", word, 1, 65536));
-         });
+  declare_threads(run_, o.kokkos);
   run_->add_flag("--dry-run", o.dry_run,
                  "Write nothing; tell what the run is, and what memory, disk and time it takes");
   run_->add_flag("--print-scene", o.print_scene,
@@ -339,6 +394,51 @@ void Reader::declare_compare()
          [&](std::string const& word) { o.tolerance = decimal("--tolerance", word, true); });
 }
 
+void Reader::declare_render()
+{
+  RenderOptions& o = render_options_;
+  render_ = app_.add_subcommand("render", "Make pictures or a movie of a trajectory or a scene");
+  render_->footer(render_examples);
+  declare_scene(render_, o.scene);
+  render_->get_option("SCENE")->description("A trajectory, or a scene, which is simulated");
+  output(render_, "-o,--output", "The picture or movie", "OUT.png|mp4|gif", o.output);
+  option(render_, "--frame", "This frame alone; the first is 0, the last -1", "K",
+         [&](std::string const& word) {
+           constexpr std::int64_t most = std::int64_t{1} << 53;
+           o.frame = integer("--frame", word, -most, most);
+         });
+  option(render_, "--every", "Every K-th frame (default 1)", "K", [&](std::string const& word) {
+    o.every = integer("--every", word, 1, std::int64_t{1} << 53);
+  });
+  option(render_, "--rate", "Time units of the simulation a second of the movie", "R",
+         [&](std::string const& word) { o.rate = decimal("--rate", word, false); });
+  option(render_, "--fps", "Pictures a second of a movie (default 30)", "F",
+         [&](std::string const& word) { o.fps = decimal("--fps", word, false); });
+  option(render_, "--size", "Pixels (default: 1080 high, at most 1920 wide)", "WxH",
+         [&](std::string const& word) { o.look.size = picture_size(word); });
+  option(render_, "--region", "The part of the plane that is shown (default: the box)",
+         "X0,Y0,X1,Y1", [&](std::string const& word) { o.look.region = region(word); });
+  option(render_, "--colour,--color", "What colour tells: speed (default), id or none", "WHAT",
+         [&](std::string const& word) {
+           std::string const name = choice("--colour", word, {"speed", "id", "none"});
+           o.look.colouring = name == "speed" ? Colouring::speed
+                              : name == "id"  ? Colouring::id
+                                              : Colouring::none;
+         });
+  option(render_, "--top-speed", "The speed at the end of the colours (default: from the energy)",
+         "V",
+         [&](std::string const& word) { o.look.top_speed = decimal("--top-speed", word, false); });
+  option(render_, "--style", "plain (default), or classic: the original's red on black", "NAME",
+         [&](std::string const& word) {
+           o.look.style = choice("--style", word, {"plain", "classic"}) == "classic"
+                              ? Style::classic
+                              : Style::plain;
+         });
+  declare_threads(render_, o.kokkos);
+  render_->add_flag("--force", o.force, "Replace files that exist");
+  render_->add_flag("-q,--quiet", o.kokkos.quiet, "Say nothing; warnings and errors stay");
+}
+
 std::vector<std::string> Reader::option_names(CLI::App const* app) const
 {
   std::vector<std::string> names;
@@ -385,8 +485,8 @@ Command Reader::read()
   } catch (CLI::ParseError const& error) {
     explain_error(error);
   }
-  if (!flags.empty() && !run_->parsed())
-    wrong(flags[0] + ": only `ricochet run` starts Kokkos");
+  if (!flags.empty() && !run_->parsed() && !render_->parsed())
+    wrong(flags[0] + ": only `ricochet run` and `ricochet render` start Kokkos");
   if (run_->parsed())
     return checked_run();
   if (generate_->parsed()) {
@@ -401,6 +501,8 @@ Command Reader::read()
   }
   if (info_->parsed())
     return info_options_;
+  if (render_->parsed())
+    return checked_render();
   return compare_options_;
 }
 
@@ -421,6 +523,25 @@ Command Reader::checked_run() const
   check_scene(o.scene);
   if (o.final_file == "-" && o.json == "-")
     wrong("--final - and --json - both ask for standard output: give one of them a file");
+  return o;
+}
+
+Command Reader::checked_render()
+{
+  RenderOptions& o = render_options_;
+  o.kokkos.flags = run_options_.kokkos.flags;
+  check_scene(o.scene);
+  if (o.output.empty())
+    wrong("nothing to make: add --output OUT.png, OUT.mp4 or OUT.gif");
+  bool const is_film = is_movie(o.output);
+  if (!is_film && std::filesystem::path(o.output).extension() != ".png")
+    wrong(fmt::format("--output: found {} (allowed: a name that ends in .png, .mp4 or .gif)",
+                      in_quotes(o.output)));
+  if (is_film && o.frame)
+    wrong("--frame: a movie has many (a picture, OUT.png, has one)");
+  if (o.rate && (o.frame || o.every != 1))
+    wrong(fmt::format("--rate and {} both choose frames: give one of them",
+                      o.frame ? "--frame" : "--every"));
   return o;
 }
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include "kokkos_startup.hpp"
+#include "pictures/look.hpp"
 #include "scene.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -48,6 +51,19 @@ struct CompareOptions {
   double tolerance = 0;
 };
 
+/// ricochet render INPUT
+struct RenderOptions {
+  SceneOptions scene; ///< its file may be a trajectory
+  std::string output; ///< OUT.png, OUT.mp4 or OUT.gif
+  Look look;
+  std::optional<std::int64_t> frame; ///< this one alone; -1: the last
+  std::int64_t every = 1;            ///< of the stored frames, every so many is shown
+  std::optional<double> rate;        ///< time units a second, instead
+  double fps = 30;                   ///< pictures of a movie a second
+  bool force = false;
+  KokkosOptions kokkos;
+};
+
 /// --kokkos-help
 struct KokkosHelp {};
 
@@ -57,7 +73,7 @@ struct Answer {
 };
 
 using Command = std::variant<RunOptions, GenerateOptions, ValidateOptions, InfoOptions,
-                             CompareOptions, KokkosHelp, Answer>;
+                             CompareOptions, RenderOptions, KokkosHelp, Answer>;
 
 /// Understands the arguments after the name of the program. Throws Failure(Exit::usage).
 Command parse_command_line(std::vector<std::string> const& arguments);

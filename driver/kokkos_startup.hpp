@@ -1,6 +1,6 @@
 // Starting Kokkos with the user's wishes, whatever the version of Kokkos calls them.
 //
-// This is the only part of the program that sees Kokkos.
+// Only this part of the program and the one that paints discs see Kokkos.
 #pragma once
 
 #include <optional>

@@ -35,6 +35,9 @@ class OutputFile {
   /// Throws Failure(Exit::io_error).
   void write(std::string_view text);
 
+  /// Where the file is until then, for another program to write it.
+  std::string const& place() const { return temporary_.empty() ? path_ : temporary_; }
+
   /// Puts the file in its place. Throws Failure.
   void commit();
 

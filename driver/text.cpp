@@ -168,4 +168,16 @@ std::string joined(std::vector<std::string> const& list)
   return out;
 }
 
+std::string for_shell(std::string const& argument)
+{
+  std::string const plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos)
+    return argument;
+  std::string out = "'";
+  for (char const c : argument)
+    out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 } // namespace ricochet::driver

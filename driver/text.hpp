@@ -49,6 +49,9 @@ void append_shortest(std::string& out, double value);
 /// "did you mean 'alpha'?" if one of `known` is close to `word`, else "".
 std::string did_you_mean(std::string_view word, std::vector<std::string> const& known);
 
+/// `argument` as a shell would take it back.
+std::string for_shell(std::string const& argument);
+
 /// The words of `list` with ", " between them.
 std::string joined(std::vector<std::string> const& list);
 
