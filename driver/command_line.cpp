@@ -153,6 +153,7 @@ std::string const render_examples = R"(Examples:
   ricochet render gas.h5md -o gas.mp4                  a movie, one picture for each frame
   ricochet render gas.h5md -o gas.gif --rate 2 --size 480x360   two time units a second
   ricochet render gas.h5md -o last.png --frame -1 --colour id   a still
+  ricochet render gas.h5md --html gas.html             a page to play it in a browser, and to send
   ricochet render gas.toml -o start.png --frame 0      the initial states of a scene
   ricochet render gas.h5md -o g.png --region 0,0,50,50 the pictures g_000000.png, ... of a corner)";
 
@@ -402,6 +403,7 @@ void Reader::declare_render()
   declare_scene(render_, o.scene);
   render_->get_option("SCENE")->description("A trajectory, or a scene, which is simulated");
   output(render_, "-o,--output", "The picture or movie", "OUT.png|mp4|gif", o.output);
+  output(render_, "--html", "A page that plays it, complete in one file", "OUT.html", o.html);
   option(render_, "--frame", "This frame alone; the first is 0, the last -1", "K",
          [&](std::string const& word) {
            constexpr std::int64_t most = std::int64_t{1} << 53;
@@ -531,10 +533,10 @@ Command Reader::checked_render()
   RenderOptions& o = render_options_;
   o.kokkos.flags = run_options_.kokkos.flags;
   check_scene(o.scene);
-  if (o.output.empty())
-    wrong("nothing to make: add --output OUT.png, OUT.mp4 or OUT.gif");
+  if (o.output.empty() && o.html.empty())
+    wrong("nothing to make: add --output OUT.png, OUT.mp4 or OUT.gif, or --html OUT.html");
   bool const is_film = is_movie(o.output);
-  if (!is_film && std::filesystem::path(o.output).extension() != ".png")
+  if (!o.output.empty() && !is_film && std::filesystem::path(o.output).extension() != ".png")
     wrong(fmt::format("--output: found {} (allowed: a name that ends in .png, .mp4 or .gif)",
                       in_quotes(o.output)));
   if (is_film && o.frame)

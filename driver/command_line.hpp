@@ -54,7 +54,8 @@ struct CompareOptions {
 /// ricochet render INPUT
 struct RenderOptions {
   SceneOptions scene; ///< its file may be a trajectory
-  std::string output; ///< OUT.png, OUT.mp4 or OUT.gif
+  std::string output; ///< OUT.png, OUT.mp4 or OUT.gif; empty: none
+  std::string html;   ///< a page for browsers; empty: none
   Look look;
   std::optional<std::int64_t> frame; ///< this one alone; -1: the last
   std::int64_t every = 1;            ///< of the stored frames, every so many is shown

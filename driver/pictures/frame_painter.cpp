@@ -66,14 +66,10 @@ void FramePainter::draw_time(double time)
 {
   Rectangle const legend = *layout_.legend;
   int const unit = layout_.unit;
-  // As many decimals as tell frames apart.
-  int const decimals =
-      stage_.interval > 0
-          ? std::clamp(static_cast<int>(std::ceil(-std::log10(stage_.interval))), 0, 6)
-          : 0;
   picture_.fill({legend.left, legend.top, legend.right, legend.top + letter_height * unit},
                 background(look_.style));
-  picture_.write(legend.left, legend.top, fmt::format("t = {:.{}f}", time, decimals), unit, black);
+  picture_.write(legend.left, legend.top, fmt::format("t = {:.{}f}", time, time_decimals(stage_)),
+                 unit, black);
 }
 
 // A bar with all colours and what they stand for.

@@ -56,6 +56,7 @@ TrajectoryFrames::TrajectoryFrames(std::string const& path) : file_(path), times
   };
   stage_.box.x = kind(0);
   stage_.box.y = kind(1);
+  stage_.gravity = file_.parameter("gravity").value_or(0);
   stage_.discs = file_.discs();
   stage_.has_velocities = file_.has("velocity");
   if (times_.size() > 1)
@@ -128,6 +129,7 @@ SimulatedFrames::SimulatedFrames(Scene scene) : scene_(std::move(scene))
 {
   stage_.box = scene_.model.box;
   stage_.radius = scene_.model.radius;
+  stage_.gravity = scene_.model.gravity;
   stage_.discs = static_cast<std::int64_t>(scene_.discs.size());
   stage_.has_velocities = true;
   stage_.interval = static_cast<double>(scene_.every) * scene_.method.dt;

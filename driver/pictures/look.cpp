@@ -89,6 +89,13 @@ Layout arrange(Look const& look, Stage const& stage)
   return layout;
 }
 
+int time_decimals(Stage const& stage)
+{
+  if (!(stage.interval > 0))
+    return 0;
+  return std::clamp(static_cast<int>(std::ceil(-std::log10(stage.interval))), 0, 6);
+}
+
 std::array<Colour, 256> const& colour_map()
 {
   // Ten colours of matplotlib's viridis (N. Smith, S. van der Walt, E. Firing; CC0), at equal

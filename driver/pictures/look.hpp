@@ -33,6 +33,7 @@ struct PictureSize {
 struct Stage {
   Box box;
   double radius = 0;
+  double gravity = 0;
   std::int64_t discs = 0;
   bool has_velocities = false;
   double fast = 0;     ///< about the speed of the fastest discs
@@ -67,6 +68,9 @@ struct Layout {
 
 /// Throws Failure(Exit::usage) if the size leaves no room.
 Layout arrange(Look const& look, Stage const& stage);
+
+/// As many decimals of the time as tell frames apart.
+int time_decimals(Stage const& stage);
 
 /// viridis, from dark violet to yellow.
 std::array<Colour, 256> const& colour_map();

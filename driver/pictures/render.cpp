@@ -5,6 +5,7 @@
 #include "pictures/frame_painter.hpp"
 #include "pictures/frame_source.hpp"
 #include "pictures/movie.hpp"
+#include "pictures/page.hpp"
 #include "text.hpp"
 
 #include <fmt/format.h>
@@ -24,23 +25,23 @@ using Clock = std::chrono::steady_clock;
 // Paints the chosen frames one after the other and hands each to `use`.
 class Show {
  public:
-  Show(RenderOptions const& options, FrameSource& source)
-    : source_(source), painter_(source.stage(), options.look)
+  Show(RenderOptions const& options, FrameSource& source, std::vector<std::int64_t> const& frames)
+    : source_(source), frames_(frames), painter_(source.stage(), options.look)
   {
   }
 
   Layout const& layout() const { return painter_.layout(); }
+  std::int64_t frames() const { return static_cast<std::int64_t>(frames_.size()); }
 
   template <class Use>
-  void run(std::vector<std::int64_t> const& frames, Use const& use)
+  void run(Use const& use)
   {
     std::vector<DiscState> discs;
-    for (std::int64_t const frame : frames) {
+    for (std::int64_t const frame : frames_) {
       source_.read(frame, discs);
       auto const start = Clock::now();
       Picture const& picture = painter_.paint(source_.time(frame), discs);
       painting_ += Clock::now() - start;
-      ++painted_;
       use(picture);
     }
   }
@@ -48,17 +49,16 @@ class Show {
   /// "3 frames of 640x480 (12.3 ms to paint one)"
   std::string in_words() const
   {
-    double const each =
-        painting_.count() / static_cast<double>(std::max<std::int64_t>(painted_, 1));
-    return fmt::format("{} frame{} of {}x{} ({:.1f} ms to paint one)", painted_,
-                       painted_ == 1 ? "" : "s", layout().width, layout().height, each);
+    return fmt::format("{} frame{} of {}x{} ({:.1f} ms to paint one)", frames(),
+                       frames() == 1 ? "" : "s", layout().width, layout().height,
+                       painting_.count() / static_cast<double>(frames()));
   }
 
  private:
   FrameSource& source_;
+  std::vector<std::int64_t> const& frames_;
   FramePainter painter_;
   std::chrono::duration<double, std::milli> painting_{};
-  std::int64_t painted_ = 0;
 };
 
 void write_png(std::string const& path, Picture const& picture, bool replace)
@@ -68,24 +68,21 @@ void write_png(std::string const& path, Picture const& picture, bool replace)
   file.commit();
 }
 
-std::string write_series(std::string const& path, bool replace, Show& show,
-                         std::vector<std::int64_t> const& frames)
+std::string write_series(std::string const& path, bool replace, Show& show)
 {
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    check_output(series_name(path, static_cast<std::int64_t>(i)), replace);
+  for (std::int64_t number = 0; number < show.frames(); ++number)
+    check_output(series_name(path, number), replace);
   std::int64_t number = 0;
-  show.run(frames, [&](Picture const& picture) {
-    write_png(series_name(path, number++), picture, replace);
-  });
+  show.run(
+      [&](Picture const& picture) { write_png(series_name(path, number++), picture, replace); });
   return fmt::format("{} ... {}", series_name(path, 0), series_name(path, number - 1));
 }
 
 // Without ffmpeg: the pictures, and how they become a movie.
-[[noreturn]] void write_pictures_of_movie(RenderOptions const& options, Show& show,
-                                          std::vector<std::int64_t> const& frames)
+[[noreturn]] void write_pictures_of_movie(RenderOptions const& options, Show& show)
 {
   auto const pictures = std::filesystem::path(options.output).replace_extension(".png").string();
-  std::string const series = write_series(pictures, options.force, show, frames);
+  std::string const series = write_series(pictures, options.force, show);
   std::string pattern = series_name(pictures, 0);
   pattern.replace(pattern.size() - 10, 6, "%06d");
   std::vector<std::string> words{"ffmpeg", "-r", fmt::format("{}", options.fps), "-i", pattern};
@@ -101,22 +98,38 @@ std::string write_series(std::string const& path, bool replace, Show& show,
                             options.output, series, command));
 }
 
-void write_output(RenderOptions const& options, Show& show, std::vector<std::int64_t> const& frames)
+// Writes the pictures or the movie and tells what there is.
+std::string write_output(RenderOptions const& options, Show& show)
 {
   std::string name = options.output;
   if (is_movie(name)) {
     if (!is_installed("ffmpeg"))
-      write_pictures_of_movie(options, show, frames);
+      write_pictures_of_movie(options, show);
     Movie movie(name, show.layout().width, show.layout().height, options.fps, options.force);
-    show.run(frames, [&](Picture const& picture) { movie.add(picture); });
+    show.run([&](Picture const& picture) { movie.add(picture); });
     movie.finish();
   } else if (options.frame) {
-    show.run(frames, [&](Picture const& picture) { write_png(name, picture, options.force); });
+    show.run([&](Picture const& picture) { write_png(name, picture, options.force); });
   } else {
-    name = write_series(name, options.force, show, frames);
+    name = write_series(name, options.force, show);
   }
-  if (!options.kokkos.quiet)
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), show.in_words().c_str());
+  return name + ": " + show.in_words();
+}
+
+std::string write_page(RenderOptions const& options, FrameSource& source,
+                       std::vector<std::int64_t> const& frames)
+{
+  Page page(options.html, source.stage(), options.look, options.fps, options.force);
+  std::vector<DiscState> discs;
+  for (std::int64_t const frame : frames) {
+    source.read(frame, discs);
+    page.add(source.time(frame), discs);
+  }
+  page.finish();
+  std::error_code ignored;
+  auto const bytes = std::filesystem::file_size(options.html, ignored);
+  return fmt::format("{}: {} frame{}, {:.1f} MB", options.html, frames.size(),
+                     frames.size() == 1 ? "" : "s", static_cast<double>(bytes) / 1e6);
 }
 
 } // namespace
@@ -166,15 +179,23 @@ std::string series_name(std::string const& path, std::int64_t number)
 
 Exit render(RenderOptions const& options)
 {
-  bool const is_series = !options.frame && !is_movie(options.output);
-  check_outputs({is_series ? series_name(options.output, 0) : options.output},
+  bool const is_series = !options.output.empty() && !options.frame && !is_movie(options.output);
+  check_outputs({is_series ? series_name(options.output, 0) : options.output, options.html},
                 {options.scene.file, options.scene.config}, options.force);
   KokkosSession const kokkos(options.kokkos);
   auto const source =
       open_frames(options.scene, options.frame == 0 ? Purpose::states : Purpose::run);
   auto const frames = chosen_frames(options, *source);
-  Show show(options, *source);
-  write_output(options, show, frames);
+  auto const tell = [&](std::string const& what) {
+    if (!options.kokkos.quiet)
+      std::fprintf(stderr, "%s\n", what.c_str());
+  };
+  if (!options.html.empty())
+    tell(write_page(options, *source, frames));
+  if (!options.output.empty()) {
+    Show show(options, *source, frames);
+    tell(write_output(options, show));
+  }
   return Exit::done;
 }
 

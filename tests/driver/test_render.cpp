@@ -199,6 +199,22 @@ TEST(Render, FfmpegIsGivenEveryFrame)
   EXPECT_EQ(text_of(folder / "m.mp4").size(), 320U * 200 * 3 * 11);
 }
 
+TEST(Render, APageIsOneFileThatNeedsNoOther)
+{
+  Folder const folder;
+  Outcome const outcome = ricochet({"render", trajectory(folder), "--html", folder / "p.html", "-o",
+                                    folder / "a.png", "--frame", "3"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "p.html: 1 frame, 0.0 MB")) << outcome.err;
+  std::string const page = text_of(folder / "p.html");
+  EXPECT_TRUE(contains(page, "\"discs\":3,"));
+  EXPECT_TRUE(contains(page, "</html>"));
+  for (char const* elsewhere : {"http", "src=", "href=", "import", "<!--"})
+    EXPECT_FALSE(contains(page, elsewhere)) << elsewhere;
+  EXPECT_EQ(ricochet({"render", folder / "t.h5md", "--html", folder / "p.html"}).code, 73);
+  EXPECT_EQ(text_of(folder / "p.html"), page);
+}
+
 TEST(Render, FramesAreChosenByRateOrNumber)
 {
   Folder const folder;
