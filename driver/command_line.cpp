@@ -18,7 +18,8 @@ namespace ricochet::driver {
 
 namespace {
 
-std::vector<std::string> const commands{"run", "generate", "validate", "info", "compare", "render"};
+std::vector<std::string> const commands{"run",     "generate", "validate", "info",
+                                        "compare", "render",   "plot"};
 
 [[noreturn]] void wrong(std::string const& message)
 {
@@ -157,6 +158,10 @@ std::string const render_examples = R"(Examples:
   ricochet render gas.toml -o start.png --frame 0      the initial states of a scene
   ricochet render gas.h5md -o g.png --region 0,0,50,50 the pictures g_000000.png, ... of a corner)";
 
+std::string const plot_examples = R"(Examples:
+  ricochet plot gas.h5md -o gas.svg                    energy, pressure, speeds, g(r) and more
+  ricochet plot gas.h5md --csv gas.csv                 their numbers: gas_time.csv, gas_pairs.csv, ...)";
+
 class Reader {
  public:
   explicit Reader(std::vector<std::string> const& arguments);
@@ -172,6 +177,7 @@ class Reader {
   void declare_info();
   void declare_compare();
   void declare_render();
+  void declare_plot();
   CLI::Option* option(CLI::App* app, std::string const& names, std::string const& what,
                       std::string const& value,
                       std::function<void(std::string const&)> const& read);
@@ -182,6 +188,7 @@ class Reader {
   void check_scene(SceneOptions const& scene) const;
   Command checked_run() const;
   Command checked_render();
+  Command checked_plot() const;
 
   CLI::App app_{"Simulates equal discs that bounce in a two-dimensional box.", "ricochet"};
   CLI::App* run_ = nullptr;
@@ -190,6 +197,7 @@ class Reader {
   CLI::App* info_ = nullptr;
   CLI::App* compare_ = nullptr;
   CLI::App* render_ = nullptr;
+  CLI::App* plot_ = nullptr;
   std::vector<std::string> arguments_;
   RunOptions run_options_;
   GenerateOptions generate_options_;
@@ -197,6 +205,7 @@ class Reader {
   InfoOptions info_options_;
   CompareOptions compare_options_;
   RenderOptions render_options_;
+  PlotOptions plot_options_;
 };
 
 Reader::Reader(std::vector<std::string> const& arguments)
@@ -231,6 +240,7 @@ Reader::Reader(std::vector<std::string> const& arguments)
   declare_info();
   declare_compare();
   declare_render();
+  declare_plot();
 }
 
 // What looks like a command is not taken for a file.
@@ -441,6 +451,18 @@ void Reader::declare_render()
   render_->add_flag("-q,--quiet", o.kokkos.quiet, "Say nothing; warnings and errors stay");
 }
 
+void Reader::declare_plot()
+{
+  PlotOptions& o = plot_options_;
+  plot_ = app_.add_subcommand("plot", "Plot what happened in a trajectory, with gnuplot");
+  plot_->footer(plot_examples);
+  plot_->add_option("FILE", o.file, "Trajectory (H5MD)")->required()->type_name("FILE.h5md");
+  output(plot_, "-o,--output", "The plots", "OUT.png|svg", o.output);
+  output(plot_, "--csv", "Their numbers: OUT_time.csv, OUT_speeds.csv and others", "OUT.csv",
+         o.csv);
+  plot_->add_flag("--force", o.force, "Replace files that exist");
+}
+
 std::vector<std::string> Reader::option_names(CLI::App const* app) const
 {
   std::vector<std::string> names;
@@ -505,6 +527,8 @@ Command Reader::read()
     return info_options_;
   if (render_->parsed())
     return checked_render();
+  if (plot_->parsed())
+    return checked_plot();
   return compare_options_;
 }
 
@@ -544,6 +568,18 @@ Command Reader::checked_render()
   if (o.rate && (o.frame || o.every != 1))
     wrong(fmt::format("--rate and {} both choose frames: give one of them",
                       o.frame ? "--frame" : "--every"));
+  return o;
+}
+
+Command Reader::checked_plot() const
+{
+  PlotOptions const& o = plot_options_;
+  if (o.output.empty() && o.csv.empty())
+    wrong("nothing to make: add --output OUT.png or OUT.svg, or --csv OUT.csv");
+  auto const kind = std::filesystem::path(o.output).extension();
+  if (!o.output.empty() && kind != ".png" && kind != ".svg")
+    wrong(fmt::format("--output: found {} (allowed: a name that ends in .png or .svg)",
+                      in_quotes(o.output)));
   return o;
 }
 

@@ -65,6 +65,14 @@ struct RenderOptions {
   KokkosOptions kokkos;
 };
 
+/// ricochet plot FILE
+struct PlotOptions {
+  std::string file;
+  std::string output; ///< OUT.png or OUT.svg; empty: none
+  std::string csv;    ///< names the tables: OUT_time.csv and others for OUT.csv; empty: none
+  bool force = false;
+};
+
 /// --kokkos-help
 struct KokkosHelp {};
 
@@ -74,7 +82,7 @@ struct Answer {
 };
 
 using Command = std::variant<RunOptions, GenerateOptions, ValidateOptions, InfoOptions,
-                             CompareOptions, RenderOptions, KokkosHelp, Answer>;
+                             CompareOptions, RenderOptions, PlotOptions, KokkosHelp, Answer>;
 
 /// Understands the arguments after the name of the program. Throws Failure(Exit::usage).
 Command parse_command_line(std::vector<std::string> const& arguments);

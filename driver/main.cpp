@@ -6,6 +6,7 @@
 #include "generate.hpp"
 #include "info.hpp"
 #include "output_file.hpp"
+#include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 #include "run.hpp"
 #include "validate.hpp"
@@ -25,6 +26,7 @@ struct Execute {
   Exit operator()(InfoOptions const& options) const { return info(options); }
   Exit operator()(CompareOptions const& options) const { return compare(options); }
   Exit operator()(RenderOptions const& options) const { return render(options); }
+  Exit operator()(PlotOptions const& options) const { return plot(options); }
   Exit operator()(KokkosHelp) const
   {
     print_kokkos_help();

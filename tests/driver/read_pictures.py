@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Plays what `ricochet render` makes: movies with ffprobe and ffmpeg, the page with Chromium.
+"""Plays what `ricochet render` makes: movies with ffprobe and ffmpeg, plots with gnuplot, the
+page with Chromium.
 
 Usage: read_pictures.py RICOCHET SCENES_FOLDER [FOLDER_FOR_SCREENSHOTS]
 """
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from xml.etree import ElementTree
 
 import numpy as np
 from PIL import Image
@@ -23,7 +25,8 @@ SIZE = (480, 360)
 
 
 def run(program, *arguments):
-    subprocess.run([program, *arguments, "--quiet"], check=True)
+    quiet = [] if arguments[0] == "plot" else ["--quiet"]
+    subprocess.run([program, *arguments, *quiet], check=True)
 
 
 def pixels(png):
@@ -54,6 +57,18 @@ def check_movies(program, trajectory, folder):
         print(f"  frame 20: {difference:.2f} of 255 on the average; frame 21 would be "
               f"{np.abs(pixels(other) - pixels(frame)).mean():.2f}")
         assert difference < 0.5 * np.abs(pixels(other) - pixels(frame)).mean()
+
+
+def check_plots(program, trajectory, folder):
+    png, svg = (os.path.join(folder, name) for name in ("p.png", "p.svg"))
+    run(program, "plot", trajectory, "-o", png)
+    run(program, "plot", trajectory, "-o", svg)
+    assert Image.open(png).size == (1500, 1100)
+    text = ElementTree.parse(svg).getroot().itertext()
+    titles = [t.strip() for t in text]
+    for title in ("energy", "energy ledger", "temperature", "pressure pV/NT", "collisions so far",
+                  "speeds, later half", "Maxwell", "packing by height, later half", "g(r), later half"):
+        assert title in titles, (title, titles)
 
 
 def browser():
@@ -145,6 +160,7 @@ def main():
         run(program, "run", os.path.join(scenes, "gas.toml"), "-o", periodic, "--duration", "8",
             "--set", "run.measure_from=0", "--every-time", "0.5")
         check_movies(program, walls, folder)
+        check_plots(program, walls, folder)
         driver = browser()
         try:
             for name, trajectory, options in (("walls", walls, []), ("periodic", periodic, ["--colour", "id"])):
