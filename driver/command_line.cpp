@@ -215,8 +215,8 @@ Reader::Reader(std::vector<std::string> const& arguments)
     run_options_.command_line += " " + for_shell(argument);
     if (argument.rfind("--kokkos-", 0) == 0)
       run_options_.kokkos.flags.push_back(argument);
-    else
-      arguments_.push_back(argument);
+    else // the original's word has one dash
+      arguments_.push_back(argument == "-animate" ? "--animate" : argument);
   }
   std::vector<std::string> first{"-h", "--help", "--version"};
   first.insert(first.end(), commands.begin(), commands.end());
@@ -346,6 +346,11 @@ void Reader::declare_run()
          o.final_file);
   output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
   declare_threads(run_, o.kokkos);
+  run_->add_flag_callback(
+      "--window", [&o] { o.watching = Watching::window; }, "Show it in a window on the way");
+  run_->add_flag_callback(
+      "--animate", [&o] { o.watching = Watching::animation; },
+      "The original's animation: a time unit a second; -animate is the same");
   run_->add_flag("--dry-run", o.dry_run,
                  "Write nothing; tell what the run is, and what memory, disk and time it takes");
   run_->add_flag("--print-scene", o.print_scene,
@@ -414,6 +419,7 @@ void Reader::declare_render()
   render_->get_option("SCENE")->description("A trajectory, or a scene, which is simulated");
   output(render_, "-o,--output", "The picture or movie", "OUT.png|mp4|gif", o.output);
   output(render_, "--html", "A page that plays it, complete in one file", "OUT.html", o.html);
+  render_->add_flag("--window", o.window, "Play it in a window");
   option(render_, "--frame", "This frame alone; the first is 0, the last -1", "K",
          [&](std::string const& word) {
            constexpr std::int64_t most = std::int64_t{1} << 53;
@@ -557,8 +563,9 @@ Command Reader::checked_render()
   RenderOptions& o = render_options_;
   o.kokkos.flags = run_options_.kokkos.flags;
   check_scene(o.scene);
-  if (o.output.empty() && o.html.empty())
-    wrong("nothing to make: add --output OUT.png, OUT.mp4 or OUT.gif, or --html OUT.html");
+  if (o.output.empty() && o.html.empty() && !o.window)
+    wrong(
+        "nothing to make: add --output OUT.png, OUT.mp4 or OUT.gif, --html OUT.html, or --window");
   bool const is_film = is_movie(o.output);
   if (!o.output.empty() && !is_film && std::filesystem::path(o.output).extension() != ".png")
     wrong(fmt::format("--output: found {} (allowed: a name that ends in .png, .mp4 or .gif)",

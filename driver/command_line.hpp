@@ -13,6 +13,9 @@
 
 namespace ricochet::driver {
 
+/// Whether a run is shown in a window: as fast as it goes, or as the original's animation.
+enum class Watching { no, window, animation };
+
 /// ricochet run SCENE
 struct RunOptions {
   SceneOptions scene;
@@ -21,6 +24,7 @@ struct RunOptions {
   bool dry_run = false;
   bool print_scene = false;
   bool force = false;
+  Watching watching = Watching::no;
   KokkosOptions kokkos;     ///< with --quiet and --threads
   std::string command_line; ///< as it was given, in a form that a shell takes back
 };
@@ -55,7 +59,8 @@ struct CompareOptions {
 struct RenderOptions {
   SceneOptions scene; ///< its file may be a trajectory
   std::string output; ///< OUT.png, OUT.mp4 or OUT.gif; empty: none
-  std::string html;   ///< a page for browsers; empty: none
+  bool window = false;
+  std::string html; ///< a page for browsers; empty: none
   Look look;
   std::optional<std::int64_t> frame; ///< this one alone; -1: the last
   std::int64_t every = 1;            ///< of the stored frames, every so many is shown

@@ -5,6 +5,8 @@
 #include "json_output.hpp"
 #include "outlook.hpp"
 #include "output_file.hpp"
+#include "pictures/frame_source.hpp"
+#include "pictures/viewer.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
 #include "scene.hpp"
@@ -69,6 +71,8 @@ class Run {
   double timed_steps(std::int64_t step, std::int64_t until);
   Report report();
   void open_trajectory();
+  void open_window();
+  void watch(std::int64_t step);
   void step_to_the_end();
   void write_frame(Report const& report);
   void close_trajectory();
@@ -84,6 +88,8 @@ class Run {
   std::vector<std::string> warnings_;
   std::unique_ptr<TrajectoryFile> trajectory_;
   std::unique_ptr<FrameWriter> writer_;
+  Stage stage_;                    ///< for the window
+  std::unique_ptr<LiveView> live_; ///< if the run is watched
   double wall_seconds_ = 0;
   std::vector<DiscState> states_; ///< at the end, if anyone asks
   std::string broken_;            ///< why the state is no longer one; empty while it is
@@ -100,6 +106,7 @@ Run::Run(RunOptions const& options, Scene scene)
   } catch (std::invalid_argument const& error) {
     throw Failure(Exit::bad_data, error.what());
   }
+  stage_ = stage_of(scene_);
   std::vector<DiscState>().swap(scene_.discs); // the engine has its own
   warnings_ = engine_->warnings();
 }
@@ -112,6 +119,8 @@ void Run::go()
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (scene_.settings.file)
     open_trajectory();
+  if (options_.watching != Watching::no)
+    open_window();
   try {
     step_to_the_end();
   } catch (LastingContact const& contact) {
@@ -157,6 +166,26 @@ void Run::open_trajectory()
   writer_ = std::make_unique<FrameWriter>(*trajectory_, discs_);
 }
 
+void Run::open_window()
+{
+  bool const is_animation = options_.watching == Watching::animation;
+  constexpr double smooth = 1.0 / 30; // seconds
+  Look look;
+  look.style = is_animation ? Style::classic : Style::plain;
+  View view(stage_, look);
+  auto window = driver::open_window("ricochet: " + options_.scene.file, view.layout().width,
+                                    view.layout().height);
+  live_ = std::make_unique<LiveView>(std::move(window), std::move(view),
+                                     is_animation ? scene_.method.dt : smooth);
+  watch(0);
+}
+
+void Run::watch(std::int64_t step)
+{
+  fetch_states();
+  live_->show(static_cast<double>(step) * scene_.method.dt, states_);
+}
+
 // The state of the run; the pressure is one from its measurement on.
 Report Run::report()
 {
@@ -198,6 +227,9 @@ void Run::step_to_the_end()
     if (writer_)
       until = std::min(until, (step / scene_.every + 1) * scene_.every);
     until = std::min(until, end_of_phase(step));
+    bool const is_animated = live_ && live_->is_open() && options_.watching == Watching::animation;
+    if (is_animated)
+      until = step + 1;
     double const spent = timed_steps(step, until);
     wall_seconds_ += spent;
     if (spent < lively && until - step == batch)
@@ -206,6 +238,8 @@ void Run::step_to_the_end()
       batch = std::max<std::int64_t>(1, batch / 2);
     step = until;
 
+    if (is_animated || (live_ && live_->is_due()))
+      watch(step);
     bool const is_frame = writer_ && (step % scene_.every == 0 || step == scene_.steps);
     bool const is_due = progress.is_due();
     if (is_frame || is_due) {

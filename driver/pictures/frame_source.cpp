@@ -127,18 +127,7 @@ class SimulatedFrames : public FrameSource {
 
 SimulatedFrames::SimulatedFrames(Scene scene) : scene_(std::move(scene))
 {
-  stage_.box = scene_.model.box;
-  stage_.radius = scene_.model.radius;
-  stage_.gravity = scene_.model.gravity;
-  stage_.discs = static_cast<std::int64_t>(scene_.discs.size());
-  stage_.has_velocities = true;
-  stage_.interval = static_cast<double>(scene_.every) * scene_.method.dt;
-  // No more can become kinetic than the energy at the start.
-  double energy = 0;
-  for (DiscState const& d : scene_.discs)
-    energy += (d.vx * d.vx + d.vy * d.vy) / 2 +
-              std::abs(scene_.model.gravity) * (d.y + scene_.model.box.height / 2);
-  stage_.fast = fast_speed(energy, stage_.discs);
+  stage_ = stage_of(scene_);
 }
 
 void SimulatedFrames::read(std::int64_t frame, std::vector<DiscState>& discs)
@@ -165,6 +154,24 @@ void SimulatedFrames::read(std::int64_t frame, std::vector<DiscState>& discs)
 }
 
 } // namespace
+
+Stage stage_of(Scene const& scene)
+{
+  Stage stage;
+  stage.box = scene.model.box;
+  stage.radius = scene.model.radius;
+  stage.gravity = scene.model.gravity;
+  stage.discs = static_cast<std::int64_t>(scene.discs.size());
+  stage.has_velocities = true;
+  stage.interval = static_cast<double>(scene.every) * scene.method.dt;
+  // No more can become kinetic than the energy at the start.
+  double energy = 0;
+  for (DiscState const& d : scene.discs)
+    energy +=
+        (d.vx * d.vx + d.vy * d.vy) / 2 + std::abs(stage.gravity) * (d.y + stage.box.height / 2);
+  stage.fast = fast_speed(energy, stage.discs);
+  return stage;
+}
 
 std::unique_ptr<FrameSource> open_frames(SceneOptions const& input, Purpose purpose)
 {

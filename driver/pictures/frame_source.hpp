@@ -28,6 +28,9 @@ class FrameSource {
   Stage stage_;
 };
 
+/// What is to be seen of a scene.
+Stage stage_of(Scene const& scene);
+
 /// Opens a trajectory, or else a scene, which takes Kokkos if more than its frame 0 is read. Throws
 /// Failure.
 std::unique_ptr<FrameSource> open_frames(SceneOptions const& input, Purpose purpose);

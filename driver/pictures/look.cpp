@@ -50,11 +50,16 @@ double top_speed(Look const& look, Stage const& stage)
   return std::ceil(stage.fast / digit) * digit;
 }
 
+Region region(Look const& look, Stage const& stage)
+{
+  double const width = stage.box.width / 2, height = stage.box.height / 2;
+  return look.region.value_or(Region{-width, -height, width, height});
+}
+
 Layout arrange(Look const& look, Stage const& stage)
 {
   Box const& box = stage.box;
-  Region const region =
-      look.region.value_or(Region{-box.width / 2, -box.height / 2, box.width / 2, box.height / 2});
+  Region const region = driver::region(look, stage);
   PictureSize const size = look.size.value_or(usual_size(region, look.style));
   Layout layout;
   layout.width = size.width;

@@ -52,6 +52,7 @@ struct Look {
 /// What `look` means for `stage`. Throws Failure(Exit::usage) if it cannot be had.
 Colouring colouring(Look const& look, Stage const& stage);
 double top_speed(Look const& look, Stage const& stage);
+Region region(Look const& look, Stage const& stage);
 
 /// Where things are in a picture.
 struct Layout {

@@ -6,6 +6,8 @@
 #include "pictures/frame_source.hpp"
 #include "pictures/movie.hpp"
 #include "pictures/page.hpp"
+#include "pictures/viewer.hpp"
+#include "pictures/window.hpp"
 #include "text.hpp"
 
 #include <fmt/format.h>
@@ -195,6 +197,11 @@ Exit render(RenderOptions const& options)
   if (!options.output.empty()) {
     Show show(options, *source, frames);
     tell(write_output(options, show));
+  }
+  if (options.window) {
+    Layout const layout = arrange(options.look, source->stage());
+    auto const window = open_window(options.scene.file, layout.width, layout.height);
+    play(*source, frames, options.look, options.fps, *window);
   }
   return Exit::done;
 }

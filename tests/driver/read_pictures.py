@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Plays what `ricochet render` makes: movies with ffprobe and ffmpeg, plots with gnuplot, the
-page with Chromium.
+window in Xvfb, the page in Chromium.
 
 Usage: read_pictures.py RICOCHET SCENES_FOLDER [FOLDER_FOR_SCREENSHOTS]
 """
@@ -69,6 +69,53 @@ def check_plots(program, trajectory, folder):
     for title in ("energy", "energy ledger", "temperature", "pressure pV/NT", "collisions so far",
                   "speeds, later half", "Maxwell", "packing by height, later half", "g(r), later half"):
         assert title in titles, (title, titles)
+
+
+def check_window(program, trajectory, folder, screenshot):
+    """Keys pressed in a real window, and what is on the screen then."""
+    screen = os.path.join(folder, "screen.png")
+    read, write = os.pipe()
+    server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "800x640x24"], pass_fds=[write],
+                              stderr=subprocess.DEVNULL)
+    display = ":" + os.read(read, 16).decode().strip()
+    environment = dict(os.environ, DISPLAY=display)
+    environment.pop("SDL_VIDEODRIVER", None)
+    viewer = subprocess.Popen([program, "render", trajectory, "--window", "--size", "800x640", "--fps", "1000"],
+                              env=environment)
+    try:
+        def tool(*words):
+            return subprocess.run(["xdotool", *words], env=environment, check=True, capture_output=True).stdout
+
+        def until_screen_shows(frame, *look):
+            still = os.path.join(folder, "still.png")
+            run(program, "render", trajectory, "-o", still, "--frame", str(frame), "--size", "800x640", "--force", *look)
+            for _ in range(100):
+                subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "x11grab", "-draw_mouse", "0", "-video_size", "800x640", "-i", display,
+                                "-frames:v", "1", screen], check=True)
+                if (pixels(screen) == pixels(still)).all():
+                    return print(f"  window: frame {frame} {' '.join(look)}")
+                time.sleep(0.1)
+            raise AssertionError(f"the window does not show frame {frame} {look}")
+
+        tool("search", "--sync", "--onlyvisible", "--name", "walls.h5md", "windowmove", "--sync", "0", "0")
+        until_screen_shows(30)  # it has played to the end
+        for keys, frame, look in ((["Home", "Right", "Right"], 2, []), (["Left"], 1, []), (["Next"], 5, []),
+                                  (["c"], 5, ["--colour", "id"]), (["c", "End"], 30, ["--colour", "none"])):
+            tool("key", *keys)
+            until_screen_shows(frame, *look)
+        tool("mousemove", "200", "300", "click", "4")  # the wheel
+        time.sleep(1)
+        tool("key", "w", "Home", "Right")
+        until_screen_shows(1, "--colour", "none")
+        if screenshot:
+            os.replace(screen, screenshot)
+        tool("key", "q")
+        assert viewer.wait(timeout=30) == 0
+    finally:
+        viewer.kill()
+        viewer.wait()
+        server.terminate()
+        server.wait()
 
 
 def browser():
@@ -161,6 +208,7 @@ def main():
             "--set", "run.measure_from=0", "--every-time", "0.5")
         check_movies(program, walls, folder)
         check_plots(program, walls, folder)
+        check_window(program, walls, folder, os.path.join(screenshots, "window.png") if screenshots else None)
         driver = browser()
         try:
             for name, trajectory, options in (("walls", walls, []), ("periodic", periodic, ["--colour", "id"])):
