@@ -33,6 +33,13 @@ KOKKOS_INLINE_FUNCTION float share(float value)
   return positive < 1 ? positive : 1;
 }
 
+constexpr float half = 0.5F;
+
+KOKKOS_INLINE_FUNCTION std::uint32_t rounded(float value)
+{
+  return static_cast<std::uint32_t>(static_cast<int>(value + half));
+}
+
 // A disc as it is seen, in pixels of the plane.
 struct Spot {
   float x, y;
@@ -204,9 +211,8 @@ struct Brush {
 
   static KOKKOS_FUNCTION void add(Ink& ink, int x, int y, float coverage, float bright, int value)
   {
-    auto const covered = static_cast<std::uint32_t>(static_cast<int>(coverage * full + 0.5F));
-    auto const lit =
-        static_cast<std::uint32_t>(static_cast<int>((coverage + bright) * (full / 2) + 0.5F));
+    auto const covered = rounded(coverage * full);
+    auto const lit = rounded((coverage + bright) * half * full);
     ink.coverage[y - ink.top][x - ink.left] += covered;
     ink.light[y - ink.top][x - ink.left] += lit;
     ink.value[y - ink.top][x - ink.left] += covered * static_cast<std::uint64_t>(value);
@@ -230,9 +236,10 @@ struct Brush {
         }
         // Half a unit more, so that rounding does not make a whole number less.
         double const per_coverage = 1.0 / covered;
-        auto const value =
-            static_cast<int>((static_cast<double>(ink.value[y - ink.top][x]) + 0.5) * per_coverage);
-        auto const light = static_cast<int>((ink.light[y - ink.top][x] + 0.5) * per_coverage * 256);
+        auto const value = static_cast<std::size_t>(
+            (static_cast<double>(ink.value[y - ink.top][x]) + half) * per_coverage);
+        auto const light =
+            static_cast<int>((ink.light[y - ink.top][x] + half) * per_coverage * 256);
         int const dense = static_cast<int>(covered < full ? covered : full);
         std::uint8_t const* const colour = map + 3 * value;
         pixel[0] = mixed(colour[0] * light, behind.red, dense);
@@ -321,8 +328,8 @@ void DiscPainter::paint(std::vector<DiscState> const& discs, Picture& picture)
   sort_into_tiles(eye);
   brush.tiles = eye.tiles;
   using Tiles = Kokkos::RangePolicy<Space, Kokkos::Schedule<Kokkos::Dynamic>>;
-  Kokkos::parallel_for("ricochet::paint_tiles", Tiles(0, eye.tiles.columns * eye.tiles.rows),
-                       brush);
+  int const tiles = eye.tiles.columns * eye.tiles.rows;
+  Kokkos::parallel_for("ricochet::paint_tiles", Tiles(0, tiles), brush);
   auto const copy = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), brush.pixels);
   Kokkos::fence();
   eye.discs = {};

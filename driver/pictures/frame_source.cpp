@@ -21,7 +21,7 @@ double fast_speed(double kinetic, std::int64_t discs)
   return discs > 0 ? 2 * std::sqrt(2 * kinetic / static_cast<double>(discs)) : 0;
 }
 
-class TrajectoryFrames : public FrameSource {
+class TrajectoryFrames final : public FrameSource {
  public:
   explicit TrajectoryFrames(std::string const& path);
   std::int64_t frames() const override { return file_.frames(); }
@@ -104,7 +104,7 @@ void TrajectoryFrames::read(std::int64_t frame, std::vector<DiscState>& discs)
     discs[i] = {position_[3 * i], position_[3 * i + 1], velocity_[3 * i], velocity_[3 * i + 1]};
 }
 
-class SimulatedFrames : public FrameSource {
+class SimulatedFrames final : public FrameSource {
  public:
   explicit SimulatedFrames(Scene scene);
   std::int64_t frames() const override { return planned_frames(scene_.steps, scene_.every); }

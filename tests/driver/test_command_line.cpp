@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "rnu: unknown command; did you mean 'run'? (a file of that name is ./rnu)"},
         BadCall{{"--quiet", "run", "s.csv"},
                 "--quiet: options follow the command: ricochet run ..."},
-        BadCall{{"s.csv", "-animate"}, "-animate: unknown option (`ricochet run --help` explains)"},
+        BadCall{{"s.csv", "-anim"}, "-anim: unknown option (`ricochet run --help` explains)"},
         BadCall{
             {"s.csv", "--forse"},
             "--forse: unknown option; did you mean '--force'? (`ricochet run --help` explains)"},
@@ -240,6 +240,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "--tolerance: found -1 (allowed: a decimal number >= 0)"},
         BadCall{{"info", "a", "--kokkos-threads=2"},
                 "--kokkos-threads=2: only `ricochet run` and `ricochet render` start Kokkos"}));
+
+TEST(CommandLine, TheOriginalsWordForTheAnimationIsKnown)
+{
+  EXPECT_EQ(run_options({"s.csv", "c.csv", "-animate"}).watching, Watching::animation);
+  EXPECT_EQ(run_options({"s.csv", "--window"}).watching, Watching::window);
+  EXPECT_EQ(run_options({"s.csv"}).watching, Watching::no);
+}
 
 TEST(CommandLine, OptionsThatContradictEachOtherAreRefused)
 {

@@ -200,7 +200,7 @@ TEST(Program, ExitCodesOfMistakes)
     std::vector<std::string> arguments;
   } const calls[] = {
       {64, {}},
-      {64, {s, "-animate"}},
+      {64, {s, "-anim"}},
       {64, {s, "--every", "0", "-o", "t"}},
       {64, {s, "--final", "-", "--json", "-"}},
       {64, {s, "--dt", "0.007"}},
