@@ -82,7 +82,8 @@ Picture sampled(Stage const& stage, std::vector<DiscState> const& discs)
       int inside = 0;
       for (int point = 0; point < 256; ++point) {
         double const px = x + (point % 16 + 0.5) / 16 - stage.box.width / 2;
-        double const py = stage.box.height / 2 - y - (point / 16 + 0.5) / 16;
+        int const line = point / 16;
+        double const py = stage.box.height / 2 - y - (line + 0.5) / 16;
         inside += std::any_of(discs.begin(), discs.end(), [&](DiscState const& d) {
           return std::hypot(px - d.x, py - d.y) < stage.radius;
         });
