@@ -66,6 +66,7 @@ class SdlWindow : public Window {
     // Without a screen SDL takes its driver that draws for nobody; that must be asked for.
     if (std::string(SDL_GetCurrentVideoDriver()) == "offscreen" && !std::getenv("SDL_VIDEODRIVER"))
       throw Failure(Exit::failed, "cannot open a window: there is no screen (DISPLAY is not set)");
+    SDL_StopTextInput(); // keys are keys; no input method is asked what they mean
     window_.reset(SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED,
                                    width, height, 0));
     if (!window_)
