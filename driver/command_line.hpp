@@ -4,6 +4,7 @@
 #include "kokkos_startup.hpp"
 #include "scene.hpp"
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,8 @@ struct RunOptions {
   SceneOptions scene;
   std::string final_file; ///< final states; empty: none, "-": standard output
   std::string json;       ///< summary; likewise
+  std::string resume;     ///< empty: begin; "auto": go on if possible; else a checkpoint's file
+  std::optional<double> walltime; ///< most seconds from the start of the program
   bool dry_run = false;
   bool print_scene = false;
   bool force = false;

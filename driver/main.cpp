@@ -52,6 +52,7 @@ int main(int argc, char** argv)
     return static_cast<int>(Exit::internal);
   }
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow further is an error like a full disk
+  std::signal(SIGPIPE, SIG_IGN); // and so is a reader that went away
   try {
     return static_cast<int>(std::visit(Execute{}, parse_command_line({argv + 1, argv + argc})));
   } catch (BadScene const& problems) {

@@ -38,13 +38,15 @@ Progress::Style Progress::style_for(bool quiet)
   return can_draw && ::isatty(STDERR_FILENO) ? Style::bar : Style::lines;
 }
 
-Progress::Progress(Style style, std::int64_t discs, std::int64_t steps)
+Progress::Progress(Style style, std::int64_t discs, std::int64_t steps, std::int64_t first)
   : style_(style),
     discs_(discs),
     steps_(steps),
+    first_(first),
     begin_(Clock::now()),
     next_(begin_ + (style == Style::bar ? Clock::duration(2 * bar_interval)
-                                        : Clock::duration(line_interval)))
+                                        : Clock::duration(line_interval))),
+    logged_step_(first)
 {
 }
 
@@ -61,7 +63,7 @@ bool Progress::is_due() const
 void Progress::update(std::int64_t step, double energy)
 {
   std::chrono::duration<double> const spent = Clock::now() - begin_;
-  double const per_second = static_cast<double>(step) / std::max(spent.count(), 1e-9);
+  double const per_second = static_cast<double>(step - first_) / std::max(spent.count(), 1e-9);
   double const rate = per_second * static_cast<double>(discs_);
   double const left = static_cast<double>(steps_ - step) / std::max(per_second, 1e-9);
   if (style_ == Style::bar) {

@@ -141,6 +141,16 @@ void relax_discs(Scene& scene, ProblemList& problems)
 
 } // namespace
 
+std::string identity(Settings settings, std::uint64_t initial_state_hash)
+{
+  settings.states.reset();
+  settings.file.reset();
+  settings.checkpoint.reset();
+  settings.every_seconds.reset();
+  return fmt::format("{}\n[discs.initial]\nstate_hash = \"{:016x}\"\n", as_toml(settings),
+                     initial_state_hash);
+}
+
 Model model_of(Settings const& settings)
 {
   Model model;

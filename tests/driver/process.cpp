@@ -131,8 +131,13 @@ bool Process::is_running()
 
 void Process::kill()
 {
+  send(SIGKILL);
+}
+
+void Process::send(int signal)
+{
   if (!ended_)
-    ::kill(id_, SIGKILL);
+    ::kill(id_, signal);
 }
 
 Outcome Process::wait()

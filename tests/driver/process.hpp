@@ -61,6 +61,7 @@ class Process {
 
   bool is_running();
   void kill();
+  void send(int signal);
   Outcome wait();
 
  private:
