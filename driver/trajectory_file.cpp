@@ -1,6 +1,7 @@
 #include "trajectory_file.hpp"
 
 #include "exit_codes.hpp"
+#include "journaled_file.hpp"
 #include "output_file.hpp"
 
 #include <fmt/format.h>
@@ -65,15 +66,6 @@ Properties access_properties()
   Properties access(H5Pcreate(H5P_FILE_ACCESS));
   // With these bounds a killed program's file opens again; newer formats mark it as in use.
   hdf5::check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110));
-  // Metadata reaches the file in flushes only, never when the cache happens to be full.
-  H5AC_cache_config_t cache;
-  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  hdf5::check(H5Pget_mdc_config(access, &cache));
-  cache.evictions_enabled = false;
-  cache.incr_mode = H5C_incr__off;
-  cache.flash_incr_mode = H5C_flash_incr__off;
-  cache.decr_mode = H5C_decr__off;
-  hdf5::check(H5Pset_mdc_config(access, &cache));
   return access;
 }
 
@@ -159,7 +151,11 @@ TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
     frames_per_block_(chunk_sizes(header).frames)
 {
   try {
-    guarded([&] { header_.kept > 0 ? reopen() : create(); });
+    guarded([&] {
+      if (header_.kept == 0)
+        create();
+      open();
+    });
   } catch (Failure const&) {
     ::unlink(hidden_beside(header.path, "tmp").c_str());
     throw;
@@ -205,6 +201,7 @@ void TrajectoryFile::abandon()
   hsize_t size = 0;
   if (file_ >= 0 && H5Fget_filesize(file_, &size) >= 0)
     space_.release(size);
+  tidy_journal(header_.path);
   for (Dataset* dataset : series())
     dataset->abandon();
   file_.abandon();
@@ -234,15 +231,19 @@ void TrajectoryFile::create()
   create_particles();
   create_observables();
   create_parameters();
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  file_.reset();
+  space_.release();
+  forget_journal(header_.path);
   place(temporary, header_.path); // who still reads an old file keeps it
 }
 
-// Opens a file to go on after the frames that are to be kept.
-void TrajectoryFile::reopen()
+// Opens the file to go on after the frames that are to be kept.
+void TrajectoryFile::open()
 {
   hdf5::initialise();
-  file_ = hdf5::File(H5Fopen(header_.path.c_str(), H5F_ACC_RDWR, access_properties()));
+  Properties const access = access_properties();
+  set_journaled(access);
+  file_ = hdf5::File(H5Fopen(header_.path.c_str(), H5F_ACC_RDWR, access));
   space_ = DiskSpace(header_.path);
   reserve(0);
   step_ = open_series(step_path);
@@ -261,17 +262,14 @@ void TrajectoryFile::reopen()
   if (steps.size() < kept)
     throw hdf5::Error(
         fmt::format("it has {} of the {} frames that the checkpoint counts", steps.size(), kept));
-  // `step` says how many frames there are, so it is the first to know of fewer.
-  set_frames(step_, kept);
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
   for (Dataset* dataset : series())
     set_frames(*dataset, kept);
   hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
   frames_ = header_.kept;
 }
 
-Dataset TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
-                                      Shape chunk, bool deflate)
+void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
+                                   Shape chunk, bool deflate)
 {
   Shape size{0}, most{H5S_UNLIMITED};
   size.insert(size.end(), row.begin(), row.end());
@@ -285,7 +283,7 @@ Dataset TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type
     hdf5::check(H5Pset_shuffle(creation));
     hdf5::check(H5Pset_deflate(creation, 1));
   }
-  return Dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, series_access()));
+  Dataset const dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT));
 }
 
 Dataset TrajectoryFile::open_series(std::string const& path) const
@@ -321,14 +319,13 @@ void TrajectoryFile::create_particles()
   Group const group = hdf5::create_group(file_, "/particles/trajectory");
 
   Group const position = hdf5::create_group(group, "position");
-  position_ = create_series(position, "value", real, row, chunk, header_.deflate);
-  step_ = create_series(position, "step", hdf5::native<std::int64_t>(), {},
-                        {std::min(planned, series_chunk)});
-  time_ = create_series(position, "time", hdf5::native<double>(), {},
-                        {std::min(planned, series_chunk)});
+  create_series(position, "value", real, row, chunk, header_.deflate);
+  create_series(position, "step", hdf5::native<std::int64_t>(), {},
+                {std::min(planned, series_chunk)});
+  create_series(position, "time", hdf5::native<double>(), {}, {std::min(planned, series_chunk)});
   if (header_.velocity) {
     Group const velocity = hdf5::create_group(group, "velocity");
-    velocity_ = create_series(velocity, "value", real, row, chunk, header_.deflate);
+    create_series(velocity, "value", real, row, chunk, header_.deflate);
     link_time(velocity);
   }
 
@@ -340,8 +337,8 @@ void TrajectoryFile::create_particles()
       std::vector<std::string>{h5md_boundary(box.x), h5md_boundary(box.y), "none"});
   if (box.x == Boundary::periodic || box.y == Boundary::periodic) {
     Group const edges = hdf5::create_group(box_group, "edges");
-    edges_ = create_series(edges, "value", hdf5::native<double>(), {3, 3},
-                           {std::min(planned, series_chunk), 3, 3});
+    create_series(edges, "value", hdf5::native<double>(), {3, 3},
+                  {std::min(planned, series_chunk), 3, 3});
     link_time(edges);
   }
 
@@ -369,7 +366,7 @@ void TrajectoryFile::create_observables()
       chunk.push_back(observable.columns);
     }
     hid_t const type = observable.real ? hdf5::native<double>() : hdf5::native<std::int64_t>();
-    elements_.push_back({create_series(group, "value", type, row, chunk), &observable});
+    create_series(group, "value", type, row, chunk);
     link_time(group);
   }
 }
@@ -447,8 +444,7 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
   }
   write_series<double>(time_, frames, 0, [](Report const& report, hsize_t) { return report.time; });
 
-  // `step` says how many frames there are, so it follows only when all else is in the file.
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  // `step` says how many frames there are, so it is the last to know of more.
   write_series<std::int64_t>(step_, frames, 0,
                              [](Report const& report, hsize_t) { return report.steps; });
   hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));

@@ -84,14 +84,14 @@ class TrajectoryFile {
   template <class Work>
   void guarded(Work const& work);
   void create();
-  void reopen();
+  void open();
   hdf5::Dataset open_series(std::string const& path) const;
   std::vector<hdf5::Dataset*> series();
   void create_particles();
   void create_observables();
   void create_parameters();
-  hdf5::Dataset create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
-                              hdf5::Shape chunk, bool deflate = false);
+  static void create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
+                            hdf5::Shape chunk, bool deflate = false);
   void link_time(hid_t element);
   template <class Real>
   void write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,

@@ -93,7 +93,7 @@ TEST(Checkpoints, DamageIsFound)
   write_checkpoint(folder / "c", run);
   std::string const good = text_of(folder / "c");
   std::size_t found = 0;
-  for (std::size_t at = 0; at < good.size(); at += 3) {
+  for (std::size_t at = 0; at < good.size(); at += 7) {
     std::string bad = good;
     bad[at] = static_cast<char>(~bad[at]);
     folder.write("c", bad);
@@ -102,7 +102,7 @@ TEST(Checkpoints, DamageIsFound)
     else
       ++found;
   }
-  EXPECT_GT(found, 20 * sizeof(DiscState) / 3);
+  EXPECT_GT(found, 20 * sizeof(DiscState) / 7);
   for (std::size_t size = 0; size < good.size(); size += 97) {
     folder.write("c", good.substr(0, size));
     EXPECT_EQ(code_of(folder / "c"), Exit::io_error) << size;

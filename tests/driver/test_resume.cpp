@@ -1,149 +1,29 @@
 // A run that is stopped and goes on is the run that was never stopped.
 #include "checkpoint_file.hpp"
-#include "process.hpp"
+#include "jobs.hpp"
 #include "trajectory_reader.hpp"
-
-#include "exit_codes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <csignal>
 #include <fcntl.h>
 #include <filesystem>
-#include <functional>
 #include <sys/stat.h>
-#include <thread>
 #include <unistd.h>
 
 namespace ricochet::test {
 namespace {
 
 using driver::TrajectoryReader;
-using Arguments = std::vector<std::string>;
-
-bool contains(std::string const& text, std::string const& part)
-{
-  return text.find(part) != std::string::npos;
-}
-
-Arguments operator+(Arguments a, Arguments const& b)
-{
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-// 12,000 discs, so that two threads are used where there are two.
-std::string gas(Folder const& folder)
-{
-  return folder.write("gas.toml", R"(
-[discs.generate]
-count = 12000
-temperature = 400
-
-[box]
-width = 1600
-height = 1600
-y = "periodic"
-
-[forces]
-gravity = 0
-
-[run]
-engine = "sweep"
-steps = 300
-dt = 0.0078125
-measure_from = 0.5
-
-[output]
-every = 7
-)");
-}
-
-// What a run writes.
-struct Job {
-  Folder const& folder;
-  std::string name;
-  Arguments scene;
-
-  std::string trajectory() const { return folder / (name + ".h5md"); }
-  std::string checkpoint() const { return folder / (name + ".chk.h5"); }
-  std::string states() const { return folder / (name + ".csv"); }
-  std::string json() const { return folder / (name + ".json"); }
-  Arguments run() const
-  {
-    return Arguments{"run"} + scene +
-           Arguments{"-o", trajectory(), "--final", states(), "--json", json()};
-  }
-  Arguments resume() const
-  {
-    return run() + Arguments{"--resume", "auto", "--checkpoint-every", "0.01"};
-  }
-  /// The step of its latest checkpoint; -1 if there is none.
-  std::int64_t step() const
-  {
-    try {
-      return driver::read_checkpoint(checkpoint()).step();
-    } catch (driver::Failure const&) {
-      return -1;
-    }
-  }
-};
-
-// Waits for `condition`; fails after a minute or when the program ends.
-::testing::AssertionResult eventually(Process& process, std::function<bool()> const& condition)
-{
-  for (int tries = 0; tries < 12000; ++tries) {
-    if (condition())
-      return ::testing::AssertionSuccess();
-    if (!process.is_running())
-      return ::testing::AssertionFailure() << "ended: " << process.wait().err;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return ::testing::AssertionFailure() << "nothing happened";
-}
-
-// A summary without what depends on the machine's mood and on the number of threads.
-std::string facts(std::string const& json)
-{
-  std::string kept;
-  for (std::size_t start = 0; start < json.size();) {
-    std::size_t const end = json.find('\n', start) + 1;
-    std::string const line = json.substr(start, end - start);
-    bool const is_mood = contains(line, "_seconds\"") || contains(line, "_per_second\"") ||
-                         contains(line, "\"backend\"") || contains(line, "\"threads\"");
-    kept += is_mood ? "" : line;
-    start = end;
-  }
-  return kept;
-}
-
-void expect_equal_results(Job const& a, Job const& b)
-{
-  EXPECT_EQ(text_of(a.states()), text_of(b.states()));
-  EXPECT_EQ(facts(text_of(a.json())), facts(text_of(b.json())));
-  Outcome const comparison = ricochet({"compare", a.trajectory(), b.trajectory()});
-  EXPECT_EQ(comparison.code, 0) << comparison.out << comparison.err;
-  TrajectoryReader const one(a.trajectory()), other(b.trajectory());
-  EXPECT_EQ(one.steps(), other.steps());
-  EXPECT_EQ(one.times(), other.times());
-  for (char const* name :
-       {"kinetic", "potential", "lost_pairs", "lost_walls", "numerical", "residual", "temperature",
-        "max_overlap", "max_outside", "collisions", "separating_hits", "wall_hits"})
-    EXPECT_EQ(one.observable(name), other.observable(name)) << name;
-  auto const pressure = one.observable("pressure_z"),
-             other_pressure = other.observable("pressure_z");
-  ASSERT_EQ(pressure.size(), other_pressure.size());
-  for (std::size_t i = 0; i < pressure.size(); ++i) // not a number before it is measured
-    EXPECT_TRUE(pressure[i] == other_pressure[i] ||
-                (std::isnan(pressure[i]) && std::isnan(other_pressure[i])));
-}
-
 struct Kind {
   std::string engine, precision;
 };
+
+std::ostream& operator<<(std::ostream& out, Kind const& kind)
+{
+  return out << kind.engine << " " << kind.precision;
+}
 
 class Resume : public testing::TestWithParam<Kind> {};
 
@@ -151,8 +31,8 @@ class Resume : public testing::TestWithParam<Kind> {};
 TEST_P(Resume, GivesTheResultOfTheRunThatWasNeverStopped)
 {
   Folder const folder;
-  Arguments const scene{gas(folder),   "--engine",           GetParam().engine,
-                        "--precision", GetParam().precision, "-q"};
+  Arguments const scene{write_gas(folder), "--engine",           GetParam().engine,
+                        "--precision",     GetParam().precision, "-q"};
   Job const whole{folder, "whole", scene}, parts{folder, "parts", scene};
   ASSERT_EQ(ricochet(whole.run() + Arguments{"--threads", "2"}).code, 0);
 
@@ -358,6 +238,32 @@ TEST(Batch, TheCheckpointBeforeServesWhereTheLastOneIsDamaged)
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_TRUE(contains(outcome.err, "damaged")) << outcome.err;
   expect_equal_results(job, whole);
+}
+
+// Wherever the disk is full first: head, frames or checkpoint.
+TEST(Batch, AJobGoesOnWhenThereIsRoomAgain)
+{
+  Folder const reference;
+  Arguments const more{"--steps", "60", "--compress", "none"};
+  Job const whole = small_job(reference, more);
+  ASSERT_EQ(ricochet(whole.run()).code, 0);
+  int went_on = 0;
+  for (std::int64_t const limit : {3000, 40000, 66000, 600000, 3300000, 4800000}) {
+    Folder const folder;
+    Job const job = small_job(folder, more);
+    ProcessOptions full;
+    full.file_size_limit = limit;
+    Outcome const outcome = ricochet(job.resume(), full);
+    EXPECT_EQ(outcome.code, 74) << limit << ": " << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "File too large")) << outcome.err;
+    if (std::filesystem::exists(job.trajectory()))
+      went_on += TrajectoryReader(job.trajectory()).frames() > 10;
+    EXPECT_EQ(ricochet(job.resume(), full).code, 74) << "still full";
+    Outcome const rest = ricochet(job.resume());
+    ASSERT_EQ(rest.code, 0) << limit << ": " << rest.err;
+    expect_equal_results(job, whole);
+  }
+  EXPECT_GT(went_on, 1);
 }
 
 TEST(Batch, TwoJobsOnOneOutputAreRefused)
