@@ -71,6 +71,8 @@ struct SettingOption {
 };
 constexpr SettingOption run_settings[] = {
     {"-o,--output", "output.file", "FILE.h5md", "Write a trajectory (H5MD)"},
+    {"--from", "discs.states", "FILE.h5md[@FRAME]",
+     "Start from a frame of a trajectory, counted from 0 (default its last)"},
     {"--every", "output.every", "K", "Write a frame every K steps (default 1), and the last"},
     {"--every-time", "output.every_time", "T", "Write a frame every T time units, and the last"},
     {"--fields", "output.fields", "LIST",

@@ -10,6 +10,7 @@
 #include "provenance.hpp"
 #include "resume.hpp"
 #include "scene.hpp"
+#include "states_h5md.hpp"
 #include "stop_request.hpp"
 #include "summary.hpp"
 #include "text.hpp"
@@ -521,7 +522,8 @@ Exit run(RunOptions const& options)
   std::vector<std::string> const outputs{scene.settings.file.value_or(""), options.final_file,
                                          options.json, checkpoint};
   check_outputs(outputs,
-                {options.scene.file, options.scene.config, scene.settings.states.value_or("")},
+                {options.scene.file, options.scene.config,
+                 file_of_states(scene.settings.states.value_or(""))},
                 options.force || !options.resume.empty());
   if (options.dry_run) {
     Outlook const expected = outlook(scene);

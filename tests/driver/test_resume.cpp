@@ -312,6 +312,38 @@ TEST(Batch, AReaderThatGoesAwayIsAnErrorAndNotTheEnd)
   EXPECT_EQ(TrajectoryReader(job.trajectory()).frames(), 301);
 }
 
+TEST(From, AFrameIsAState)
+{
+  Folder const folder;
+  Arguments const gas = small_job(folder).scene;
+  Arguments const thirty{"--steps", "30", "--every", "10"};
+  Job const job{folder, "t", gas + thirty};
+  ASSERT_EQ(ricochet(job.run()).code, 0);
+  auto const from = [&](std::string const& frame, std::string const& steps) {
+    return ricochet(Arguments{"run"} + gas +
+                    Arguments{"--from", job.trajectory() + frame, "--steps", steps});
+  };
+  EXPECT_EQ(from("@1", "20").out, text_of(job.states()));
+  EXPECT_EQ(from("@0", "30").out, text_of(job.states()));
+  EXPECT_EQ(from("", "0").out, text_of(job.states()));
+  for (char const* frame : {"@4", "@-1", "@last", "@"}) {
+    Outcome const refused = from(frame, "1");
+    EXPECT_EQ(refused.code, 64) << frame;
+    EXPECT_TRUE(contains(refused.err, "--from: '" + job.trajectory() + "' has 4 frames"))
+        << refused.err;
+  }
+  auto const onto_itself =
+      Arguments{"run"} + job.scene +
+      Arguments{"--from", job.trajectory() + "@1", "-o", job.trajectory(), "--force"};
+  EXPECT_EQ(ricochet(onto_itself).code, 73);
+  EXPECT_EQ(TrajectoryReader(job.trajectory()).frames(), 4);
+  Job const positions{folder, "p", gas + thirty + Arguments{"--fields", "position"}};
+  ASSERT_EQ(ricochet(positions.run()).code, 0);
+  EXPECT_TRUE(
+      contains(ricochet({"run", scene("gas_2000.csv"), "--from", positions.trajectory()}).err,
+               "has no velocities"));
+}
+
 TEST(Batch, MistakesAreTold)
 {
   Folder const folder;
