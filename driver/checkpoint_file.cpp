@@ -3,6 +3,7 @@
 #include "disk_space.hpp"
 #include "exit_codes.hpp"
 #include "hdf5.hpp"
+#include "log.hpp"
 #include "output_file.hpp"
 #include "provenance.hpp"
 
@@ -207,7 +208,7 @@ std::optional<SavedRun> find_checkpoint(std::string const& path)
       return read_checkpoint(candidate);
     } catch (Failure const& failure) {
       if (failure.code() == Exit::io_error)
-        std::fprintf(stderr, "warning: %s\n", failure.what());
+        tell(LogLevel::warning, failure.what());
       else if (failure.code() != Exit::no_input)
         throw;
     }

@@ -308,6 +308,12 @@ void Reader::declare_run()
   run_->add_flag("--print-scene", o.print_scene,
                  "Write the scene with all settings as TOML to standard output, and stop");
   run_->add_flag("--force", o.force, "Replace files that exist");
+  option(run_, "--log-format", "text (default) or json: an object a line on stderr", "NAME",
+         [&](std::string const& word) {
+           if (word != "text" && word != "json")
+             wrong(fmt::format("--log-format: found {} (allowed: text, json)", in_quotes(word)));
+           o.log_format = word == "json" ? LogFormat::json : LogFormat::text;
+         });
   run_->add_flag("-q,--quiet", o.kokkos.quiet,
                  "No progress and no summary; warnings and errors stay");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kokkos_startup.hpp"
+#include "log.hpp"
 #include "scene.hpp"
 
 #include <optional>
@@ -18,6 +19,7 @@ struct RunOptions {
   std::string json;       ///< summary; likewise
   std::string resume;     ///< empty: begin; "auto": go on if possible; else a checkpoint's file
   std::optional<double> walltime; ///< most seconds from the start of the program
+  LogFormat log_format = LogFormat::text;
   bool dry_run = false;
   bool print_scene = false;
   bool force = false;

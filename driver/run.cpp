@@ -3,6 +3,7 @@
 #include "final_states.hpp"
 #include "frame_writer.hpp"
 #include "json_output.hpp"
+#include "log.hpp"
 #include "outlook.hpp"
 #include "output_file.hpp"
 #include "output_lock.hpp"
@@ -22,6 +23,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <sys/resource.h>
@@ -88,6 +90,8 @@ class Run {
   Report report();
   void go_on_from(SavedRun const& saved);
   void write_recorded(SavedRun const& saved);
+  void log_start();
+  void tell_result(Summary const& result) const;
   void open_trajectory();
   void step_to_the_end(StopRequests& stops);
   void save(Summary const* result);
@@ -134,12 +138,54 @@ Run::Run(RunOptions const& options, Scene scene)
   checkpoint_ = checkpoint_path(options_, scene_.settings);
 }
 
+// What a log should know before the run begins.
+void Run::log_start()
+{
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  std::vector<LogField> fields{{"version", version()},
+                               {"git", git_state()},
+                               {"command", options_.command_line},
+                               {"host", host_name()},
+                               {"backend", engine_->backend()},
+                               {"threads", std::int64_t{engine_->threads()}},
+                               {"initial_state", hash_text(engine_->state_hash())},
+                               {"engine", std::string(name(scene_.method.engine))},
+                               {"discs", discs_},
+                               {"steps", scene_.steps},
+                               {"memory_bytes", std::int64_t{usage.ru_maxrss} * 1024}};
+  if (char const* const job = std::getenv("SLURM_JOB_ID"))
+    fields.emplace_back("job", std::string(job));
+  log_event("start", fields);
+}
+
+void Run::tell_result(Summary const& result) const
+{
+  if (options_.kokkos.quiet)
+    return;
+  if (log_format() == LogFormat::text) {
+    std::fputs(in_words(result).c_str(), stderr);
+    return;
+  }
+  Report const& report = result.report;
+  log_event("result", {{"steps", report.steps},
+                       {"wall_seconds", result.wall_seconds},
+                       {"disc_steps_per_second", result.disc_steps_per_second()},
+                       {"collisions", report.collisions},
+                       {"residual", report.energy.residual()},
+                       {"state_hash", hash_text(result.state_hash)},
+                       {"outputs", joined(result.outputs)}});
+}
+
 void Run::go()
 {
+  auto const style = Progress::style_for(options_.kokkos.quiet);
+  if (style == Progress::Style::lines)
+    log_start();
   for (std::string const& note : scene_.notes)
-    std::fprintf(stderr, "%s\n", note.c_str());
+    tell(LogLevel::info, note);
   for (std::string const& warning : warnings_)
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    tell(LogLevel::warning, warning);
   auto const saved = find_saved(options_, scene_.settings, identity_);
   if (saved && !saved->summary.empty())
     return write_recorded(*saved);
@@ -172,8 +218,7 @@ void Run::go_on_from(SavedRun const& saved)
   frames_ = saved.frames;
   wall_seconds_ = saved.wall_seconds;
   if (!options_.kokkos.quiet)
-    std::fprintf(stderr, "going on after step %lld of %lld\n", static_cast<long long>(step_),
-                 static_cast<long long>(scene_.steps));
+    tell(LogLevel::info, fmt::format("going on after step {} of {}", step_, scene_.steps));
 }
 
 // The results of a run that is finished already. What is there of them stays as it is.
@@ -190,7 +235,7 @@ void Run::write_recorded(SavedRun const& saved)
     write_output(options_.json, options_.force, outputs,
                  [&](OutputFile& file) { file.write(saved.summary_json); });
   if (!options_.kokkos.quiet)
-    std::fprintf(stderr, "finished before:\n%s", saved.summary.c_str());
+    tell(LogLevel::info, "finished before:\n" + saved.summary);
 }
 
 TrajectoryHeader Run::header() const
@@ -434,8 +479,7 @@ void Run::write_results()
   write_output(options_.json, replace, outputs_,
                [&](OutputFile& file) { file.write(as_json(result)); });
   result.outputs = outputs_;
-  if (!options_.kokkos.quiet)
-    std::fputs(in_words(result).c_str(), stderr);
+  tell_result(result);
 }
 
 Forecast Run::forecast()
@@ -506,6 +550,7 @@ bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t eve
 
 Exit run(RunOptions const& options)
 {
+  set_log_format(options.log_format);
   Scene scene = read_scene(options.scene);
   if (options.print_scene) {
     OutputFile out("-", false);

@@ -27,12 +27,13 @@ using driver::TrajectoryReader;
 
 // What is run: sizes at which writing takes a good part of the time.
 struct Kind {
-  std::string name, count, steps, box, compress;
+  std::string name, count, steps, box, compress, checkpoint_every;
 };
 Kind const kinds[] = {
-    {"many chunks", "3000", "600", "740", "none"},
-    {"compressed", "3000", "300", "740", "deflate"},
-    {"large frames", "60000", "100", "3300", "none"},
+    {"many chunks", "3000", "600", "740", "none", "0.05"},
+    {"compressed", "3000", "300", "740", "deflate", "0.05"},
+    {"large frames", "60000", "100", "3300", "none", "0.05"},
+    {"many checkpoints", "20000", "300", "1900", "none", "0.001"},
 };
 
 void require(bool holds, std::string const& what)
@@ -74,7 +75,7 @@ struct Job {
             "--resume",
             "auto",
             "--checkpoint-every",
-            "0.05",
+            kind.checkpoint_every,
             "-q"};
   }
   std::int64_t checkpointed_frames() const
@@ -133,6 +134,13 @@ class Campaign {
   void run_job(Kind const& kind);
   void look(Job const& job, std::int64_t seen);
 
+  /// Whether there are kills to come: too few were done, or they did not hit what they have to.
+  bool goes_on() const
+  {
+    bool const hit = in_trajectory_ > 0 && in_checkpoint_ > 0;
+    return killed_ < kills_ || (!hit && killed_ < 10 * kills_);
+  }
+
   int kills_;
   std::mt19937 random_;
   std::map<std::string, std::vector<std::size_t>> whole_; ///< of runs that nobody killed
@@ -166,7 +174,7 @@ void Campaign::run_job(Kind const& kind)
     whole_[kind.name] = fingerprints(job.trajectory());
     return;
   }
-  while (killed_ < kills_) {
+  while (goes_on()) {
     Process process(job.arguments());
     std::this_thread::sleep_for(
         std::chrono::microseconds(std::uniform_int_distribution<int>(50000, 700000)(random_)));
@@ -190,7 +198,7 @@ void Campaign::run()
 {
   for (Kind const& kind : kinds) // first the runs that nobody kills
     run_job(kind);
-  for (std::size_t k = 0; killed_ < kills_; ++k)
+  for (std::size_t k = 0; goes_on(); ++k)
     run_job(kinds[k % std::size(kinds)]);
   std::printf("%d kills, %d jobs finished with the right result\n"
               "%d kills amid a write of the trajectory, %d of a checkpoint, %d before a file\n",
