@@ -354,6 +354,7 @@ void expect_same_from_checkpoint(Scene const& scene, Way const& way, std::int64_
     resumed->advance(after);
     EXPECT_TRUE(same_bits(states(resumed), states(whole)));
     EXPECT_TRUE(same_bits(resumed->report(), whole->report()));
+    EXPECT_EQ(resumed->report().windows, whole->report().windows); // how long the next should be
   }
 }
 
