@@ -4,6 +4,7 @@
 #include "pictures/movie.hpp"
 #include "provenance.hpp"
 #include "settings.hpp"
+#include "stop_request.hpp"
 #include "text.hpp"
 
 #include <CLI/CLI.hpp>
@@ -108,6 +109,8 @@ struct SettingOption {
 };
 constexpr SettingOption run_settings[] = {
     {"-o,--output", "output.file", "FILE.h5md", "Write a trajectory (H5MD)"},
+    {"--from", "discs.states", "FILE.h5md[@FRAME]",
+     "Start from a frame of a trajectory, counted from 0 (default its last)"},
     {"--every", "output.every", "K", "Write a frame every K steps (default 1), and the last"},
     {"--every-time", "output.every_time", "T", "Write a frame every T time units, and the last"},
     {"--fields", "output.fields", "LIST",
@@ -120,13 +123,19 @@ constexpr SettingOption run_settings[] = {
     {"--dt", "run.dt", "DT", "Length of a step (default 1/45)"},
     {"--steps-per-time", "run.steps_per_time", "F", "Steps per time unit (default 45)"},
     {"--duration", "run.duration", "T", "Time to simulate (default 60)"},
-    {"--steps", "run.steps", "N", "Steps to simulate, instead of a duration"}};
+    {"--steps", "run.steps", "N", "Steps to simulate, instead of a duration"},
+    {"--checkpoint", "checkpoint.file", "FILE",
+     "Keep a checkpoint (default with --resume auto: beside the trajectory)"},
+    {"--checkpoint-every", "checkpoint.every_seconds", "SECONDS",
+     "From checkpoint to checkpoint (default 900)"}};
 
 std::string const run_examples = R"(Examples:
   ricochet run gas.toml -o gas.h5md --every-time 1     simulate, with a frame every time unit
   ricochet run gas.toml --dry-run                      what it would take; --print-scene: all settings
   ricochet run gas.toml --dt 0.01 --set discs.generate.seed=2 --json - | jq .energy
                                                        another step and other discs, a summary for programs
+  ricochet run gas.toml -o gas.h5md --resume auto --max-walltime 3:55:00
+                                                       in a queue: go on where the last job stopped
   ricochet run gas.csv gas.config.csv                  the original's files: final states on standard output
   ricochet gas.csv gas.config.csv                      the same, as the original is called)";
 
@@ -345,6 +354,20 @@ void Reader::declare_run()
   output(run_, "--final", "Write the final states as CSV; - is standard output", "FILE.csv",
          o.final_file);
   output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
+  option(run_, "--resume",
+         "Go on from a checkpoint: from this one; auto: from the run's own, or begin", "auto|FILE",
+         [&](std::string const& word) {
+           if (word.empty())
+             wrong("--resume: found no file name (allowed: auto, a checkpoint)");
+           o.resume = word;
+         });
+  option(run_, "--max-walltime", "Stop with a checkpoint before this time is over", "HH:MM:SS",
+         [&](std::string const& word) {
+           o.walltime = parse_duration(word);
+           if (!o.walltime)
+             wrong(fmt::format("--max-walltime: found {} (allowed: HH:MM:SS, D-HH:MM:SS)",
+                               in_quotes(word)));
+         });
   declare_threads(run_, o.kokkos);
   run_->add_flag_callback(
       "--window", [&o] { o.watching = Watching::window; }, "Show it in a window on the way");
@@ -356,6 +379,12 @@ void Reader::declare_run()
   run_->add_flag("--print-scene", o.print_scene,
                  "Write the scene with all settings as TOML to standard output, and stop");
   run_->add_flag("--force", o.force, "Replace files that exist");
+  option(run_, "--log-format", "text (default) or json: an object a line on stderr", "NAME",
+         [&](std::string const& word) {
+           if (word != "text" && word != "json")
+             wrong(fmt::format("--log-format: found {} (allowed: text, json)", in_quotes(word)));
+           o.log_format = word == "json" ? LogFormat::json : LogFormat::text;
+         });
   run_->add_flag("-q,--quiet", o.kokkos.quiet,
                  "No progress and no summary; warnings and errors stay");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kokkos_startup.hpp"
+#include "log.hpp"
 #include "pictures/look.hpp"
 #include "scene.hpp"
 
@@ -21,6 +22,9 @@ struct RunOptions {
   SceneOptions scene;
   std::string final_file; ///< final states; empty: none, "-": standard output
   std::string json;       ///< summary; likewise
+  std::string resume;     ///< empty: begin; "auto": go on if possible; else a checkpoint's file
+  std::optional<double> walltime; ///< most seconds from the start of the program
+  LogFormat log_format = LogFormat::text;
   bool dry_run = false;
   bool print_scene = false;
   bool force = false;

@@ -16,7 +16,8 @@ enum class Exit {
   no_input = 66,      ///< an input file cannot be opened
   internal = 70,      ///< a defect of this program
   cannot_create = 73, ///< an output exists already or cannot be created
-  io_error = 74       ///< reading or writing failed, such as a full disk
+  io_error = 74,      ///< reading or writing failed, such as a full disk
+  stopped = 75        ///< stopped on request; a checkpoint was written, and the run can go on
 };
 
 /// Ends the command with a message for the user.

@@ -82,6 +82,17 @@ void FrameWriter::submit(std::unique_ptr<Frame> frame)
     changed_.notify_all();
 }
 
+void FrameWriter::flush()
+{
+  std::unique_lock lock(mutex_);
+  in_haste_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [&] { return error_ || (queue_.empty() && !is_writing_); });
+  in_haste_ = false;
+  if (error_)
+    std::rethrow_exception(error_);
+}
+
 void FrameWriter::finish()
 {
   stop();
@@ -96,7 +107,9 @@ void FrameWriter::work()
     hdf5::initialise();
     while (!closed_ || !queue_.empty()) {
       std::size_t const room = room_in_block();
-      changed_.wait_for(lock, longest_wait, [&] { return closed_ || queue_.size() >= room; });
+      changed_.wait_for(lock, longest_wait, [&] {
+        return closed_ || queue_.size() >= room || (in_haste_ && !queue_.empty());
+      });
       write(std::min(room, queue_.size()), lock);
     }
   } catch (...) {
@@ -119,9 +132,11 @@ void FrameWriter::write(std::size_t count, std::unique_lock<std::mutex>& lock)
   Frames block;
   for (; block.size() < count; queue_.pop_front())
     block.push_back(std::move(queue_.front()));
+  is_writing_ = true;
   lock.unlock();
   file_.append(block);
   lock.lock();
+  is_writing_ = false;
   for (auto& frame : block)
     free_.push_back(std::move(frame));
   changed_.notify_all();

@@ -32,7 +32,10 @@ class FrameWriter {
   /// Hands a filled frame over.
   void submit(std::unique_ptr<Frame> frame);
 
-  /// Waits until everything is written. Throws what writing threw.
+  /// Waits until everything is in the file. Throws what writing threw.
+  void flush();
+
+  /// The same, and ends the thread.
   void finish();
 
  private:
@@ -51,6 +54,8 @@ class FrameWriter {
   std::condition_variable changed_;
   Frames free_;
   std::deque<std::unique_ptr<Frame>> queue_;
+  bool in_haste_ = false; ///< someone waits for the queue to be empty
+  bool is_writing_ = false;
   bool closed_ = false;
   std::exception_ptr error_;
   std::thread thread_; ///< last, so that all else is there when it starts

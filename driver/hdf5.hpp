@@ -138,6 +138,15 @@ void write_attribute(hid_t object, char const* name, T value)
   check(H5Awrite(attribute, native<T>(), &value));
 }
 
+template <class T>
+T read_attribute(hid_t object, char const* name)
+{
+  T value{};
+  Attribute const attribute(H5Aopen(object, name, H5P_DEFAULT));
+  check(H5Aread(attribute, native<T>(), &value));
+  return value;
+}
+
 /// Reads the box of the dataset that begins at `start` and is `count` large.
 template <class T>
 void read(hid_t dataset, Shape const& start, Shape const& count, T* values)
@@ -156,6 +165,24 @@ void write(hid_t dataset, Shape const& start, Shape const& count, T const* value
   Dataspace const memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
   check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr));
   check(H5Dwrite(dataset, native<T>(), memory, space, H5P_DEFAULT, values));
+}
+
+/// Creates a dataset of a shape that stays.
+template <class T>
+Dataset create_list(hid_t parent, char const* name, Shape const& size)
+{
+  Dataspace const space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr));
+  return Dataset(
+      H5Dcreate2(parent, name, native<T>(), space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+}
+
+/// Creates a dataset of these values.
+template <class T>
+void write_list(hid_t parent, char const* name, std::vector<T> const& values)
+{
+  Dataset const dataset = create_list<T>(parent, name, {values.size()});
+  if (!values.empty())
+    write(dataset, {0}, {values.size()}, values.data());
 }
 
 /// Reads the whole of a one-dimensional dataset.

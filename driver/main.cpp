@@ -5,6 +5,7 @@
 #include "exit_codes.hpp"
 #include "generate.hpp"
 #include "info.hpp"
+#include "log.hpp"
 #include "output_file.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
@@ -43,8 +44,26 @@ struct Execute {
 
 int fail(Exit code, char const* message)
 {
-  std::fprintf(stderr, "ricochet: %s\n", message);
+  tell(LogLevel::error, message);
   return static_cast<int>(code);
+}
+
+int run_command(std::vector<std::string> const& arguments)
+{
+  try {
+    return static_cast<int>(std::visit(Execute{}, parse_command_line(arguments)));
+  } catch (BadScene const& problems) {
+    if (log_format() == LogFormat::json)
+      return fail(problems.code(), problems.what());
+    std::fprintf(stderr, "%s\n", problems.what());
+    return static_cast<int>(problems.code());
+  } catch (Failure const& failure) {
+    return fail(failure.code(), failure.what());
+  } catch (std::bad_alloc const&) {
+    return fail(Exit::failed, "not enough memory for this scene");
+  } catch (std::exception const& error) {
+    return fail(Exit::internal, error.what());
+  }
 }
 
 } // namespace
@@ -56,16 +75,9 @@ int main(int argc, char** argv)
     return static_cast<int>(Exit::internal);
   }
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow further is an error like a full disk
-  try {
-    return static_cast<int>(std::visit(Execute{}, parse_command_line({argv + 1, argv + argc})));
-  } catch (BadScene const& problems) {
-    std::fprintf(stderr, "%s\n", problems.what());
-    return static_cast<int>(problems.code());
-  } catch (Failure const& failure) {
-    return fail(failure.code(), failure.what());
-  } catch (std::bad_alloc const&) {
-    return fail(Exit::failed, "not enough memory for this scene");
-  } catch (std::exception const& error) {
-    return fail(Exit::internal, error.what());
-  }
+  std::signal(SIGPIPE, SIG_IGN); // and so is a reader that went away
+  int const code = run_command({argv + 1, argv + argc});
+  if (log_format() == LogFormat::json)
+    log_event("end", {{"code", std::int64_t{code}}});
+  return code;
 }

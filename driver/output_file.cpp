@@ -6,7 +6,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -82,6 +84,37 @@ void check_outputs(std::vector<std::string> const& outputs, std::vector<std::str
   }
 }
 
+bool is_file_output(std::string const& path)
+{
+  return !path.empty() && path != "-" && !is_special(path);
+}
+
+std::string hidden_beside(std::string const& path, std::string const& ending)
+{
+  fs::path const name = "." + fs::path(path).filename().string() + "." + ending;
+  return (fs::path(path).has_parent_path() ? fs::path(path).parent_path() / name : name).string();
+}
+
+void sync_to_disk(std::string const& path)
+{
+  int const file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // File systems that have nothing to write say that they cannot.
+  bool const done = file >= 0 && (::fsync(file) == 0 || errno == EINVAL || errno == EROFS);
+  int const reason = errno;
+  if (file >= 0)
+    ::close(file);
+  if (!done)
+    throw std::system_error(reason, std::generic_category());
+}
+
+void place(std::string const& temporary, std::string const& path)
+{
+  sync_to_disk(temporary);
+  if (std::rename(temporary.c_str(), path.c_str()) != 0)
+    throw std::system_error(errno, std::generic_category());
+  sync_to_disk(folder_of(path).string());
+}
+
 OutputFile::OutputFile(std::string path, bool replace) : path_(std::move(path))
 {
   if (path_ == "-") {
@@ -94,8 +127,7 @@ OutputFile::OutputFile(std::string path, bool replace) : path_(std::move(path))
     auto const target = fs::canonical(path_, error); // a link keeps pointing to the new content
     if (!error)
       path_ = target.string();
-    fs::path const hidden = folder_of(path_) / ("." + fs::path(path_).filename().string());
-    temporary_ = fmt::format("{}.{}.tmp", hidden.string(), ::getpid());
+    temporary_ = hidden_beside(path_, fmt::format("{}.tmp", ::getpid()));
   }
   errno = 0;
   file_ = std::fopen(temporary_.empty() ? path_.c_str() : temporary_.c_str(), "wb");
@@ -129,16 +161,19 @@ void OutputFile::commit()
     file_ = nullptr;
     return;
   }
-  bool const closed = std::fclose(std::exchange(file_, nullptr)) == 0;
-  bool const placed =
-      closed && (temporary_.empty() || std::rename(temporary_.c_str(), path_.c_str()) == 0);
-  if (!placed) {
-    int const reason = errno;
-    if (!temporary_.empty())
-      ::unlink(temporary_.c_str());
-    errno = reason;
-    fail();
+  int reason = std::fclose(std::exchange(file_, nullptr)) == 0 ? 0 : errno;
+  if (temporary_.empty() && reason == 0)
+    return;
+  try {
+    if (reason == 0)
+      return place(temporary_, path_);
+  } catch (std::system_error const& error) {
+    reason = error.code().value();
   }
+  if (!temporary_.empty())
+    ::unlink(temporary_.c_str());
+  errno = reason;
+  fail();
 }
 
 void OutputFile::fail() const

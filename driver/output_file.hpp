@@ -23,6 +23,19 @@ bool same_file(std::string const& a, std::string const& b);
 void check_outputs(std::vector<std::string> const& outputs, std::vector<std::string> const& inputs,
                    bool replace);
 
+/// True if an output at `path` is a file: not "", "-" or a special file such as /dev/null.
+bool is_file_output(std::string const& path);
+
+/// A name in the folder of `path` for what belongs to it and is not for users: .NAME.`ending`.
+std::string hidden_beside(std::string const& path, std::string const& ending);
+
+/// Has everything of the file at `path` written to the disk. Throws std::system_error.
+void sync_to_disk(std::string const& path);
+
+/// Renames a complete file so that `path` is the old file or the new one, and whole, even if the
+/// machine stops. Throws std::system_error.
+void place(std::string const& temporary, std::string const& path);
+
 /// A text result on its way to a file, or to standard output if the path is "-".
 class OutputFile {
  public:

@@ -1,5 +1,7 @@
 #include "progress.hpp"
 
+#include "log.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -34,17 +36,20 @@ Progress::Style Progress::style_for(bool quiet)
   if (quiet)
     return Style::none;
   char const* const term = std::getenv("TERM");
-  bool const can_draw = term && std::string(term) != "dumb" && !std::getenv("CI");
+  bool const can_draw =
+      log_format() == LogFormat::text && term && std::string(term) != "dumb" && !std::getenv("CI");
   return can_draw && ::isatty(STDERR_FILENO) ? Style::bar : Style::lines;
 }
 
-Progress::Progress(Style style, std::int64_t discs, std::int64_t steps)
+Progress::Progress(Style style, std::int64_t discs, std::int64_t steps, std::int64_t first)
   : style_(style),
     discs_(discs),
     steps_(steps),
+    first_(first),
     begin_(Clock::now()),
     next_(begin_ + (style == Style::bar ? Clock::duration(2 * bar_interval)
-                                        : Clock::duration(line_interval)))
+                                        : Clock::duration(line_interval))),
+    logged_step_(first)
 {
 }
 
@@ -61,7 +66,7 @@ bool Progress::is_due() const
 void Progress::update(std::int64_t step, double energy)
 {
   std::chrono::duration<double> const spent = Clock::now() - begin_;
-  double const per_second = static_cast<double>(step) / std::max(spent.count(), 1e-9);
+  double const per_second = static_cast<double>(step - first_) / std::max(spent.count(), 1e-9);
   double const rate = per_second * static_cast<double>(discs_);
   double const left = static_cast<double>(steps_ - step) / std::max(per_second, 1e-9);
   if (style_ == Style::bar) {
@@ -99,13 +104,14 @@ void Progress::draw(std::int64_t step, double rate, double left)
 
 void Progress::log(std::int64_t step, double rate, double left, double energy)
 {
-  std::string const line = fmt::format(
-      "{} INFO progress step={}/{} pct={:.1f} rate={:.2e}/s eta={} E={:.7g}\n", utc_now(), step,
-      steps_,
-      100 * static_cast<double>(step) / static_cast<double>(std::max<std::int64_t>(1, steps_)),
-      rate, clock_text(left), energy);
-  std::fputs(line.c_str(), stderr);
-  std::fflush(stderr);
+  double const percent =
+      100 * static_cast<double>(step) / static_cast<double>(std::max<std::int64_t>(1, steps_));
+  log_event("progress", {{"step", step},
+                         {"steps", steps_},
+                         {"pct", percent},
+                         {"rate", rate},
+                         {"eta", clock_text(left)},
+                         {"E", energy}});
 }
 
 void Progress::clear()

@@ -14,8 +14,8 @@ class Progress {
   /// A bar if stderr is a terminal that can show one, else lines; nothing if `quiet`.
   static Style style_for(bool quiet);
 
-  /// A run of `discs` discs and `steps` steps begins now.
-  Progress(Style style, std::int64_t discs, std::int64_t steps);
+  /// A run of `discs` discs and `steps` steps begins now, or goes on after the `first` of them.
+  Progress(Style style, std::int64_t discs, std::int64_t steps, std::int64_t first);
   ~Progress(); ///< clears the bar
 
   /// True if it is time for update().
@@ -34,9 +34,9 @@ class Progress {
   void log(std::int64_t step, double rate, double left, double energy);
 
   Style style_;
-  std::int64_t discs_, steps_;
+  std::int64_t discs_, steps_, first_;
   Clock::time_point begin_, next_;
-  std::int64_t logged_step_ = 0;
+  std::int64_t logged_step_;
   bool is_drawn_ = false;
 };
 

@@ -11,15 +11,11 @@
 
 namespace ricochet::driver {
 
-namespace {
-
 std::string host_name()
 {
   char name[256] = "";
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
 }
-
-} // namespace
 
 std::string version()
 {

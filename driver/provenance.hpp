@@ -11,6 +11,9 @@ std::string version();
 /// The commit it was built from, with "-dirty" if files were changed; "unknown" outside git.
 std::string git_state();
 
+/// Name of this machine.
+std::string host_name();
+
 std::string compiler();
 std::string hdf5_version();
 

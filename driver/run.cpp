@@ -3,13 +3,18 @@
 #include "final_states.hpp"
 #include "frame_writer.hpp"
 #include "json_output.hpp"
+#include "log.hpp"
 #include "outlook.hpp"
 #include "output_file.hpp"
+#include "output_lock.hpp"
 #include "pictures/frame_source.hpp"
 #include "pictures/viewer.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
+#include "resume.hpp"
 #include "scene.hpp"
+#include "states_h5md.hpp"
+#include "stop_request.hpp"
 #include "summary.hpp"
 #include "text.hpp"
 #include "trajectory_file.hpp"
@@ -20,6 +25,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <sys/resource.h>
@@ -46,6 +52,20 @@ bool is_finite(DiscState const& disc)
          std::isfinite(disc.vy);
 }
 
+// Does `write` with the file at `path`, and names it in `outputs`; "" means no file.
+template <class Write>
+void write_output(std::string const& path, bool replace, std::vector<std::string>& outputs,
+                  Write const& write)
+{
+  if (path.empty())
+    return;
+  OutputFile file(path, replace);
+  write(file);
+  file.commit();
+  if (path != "-")
+    outputs.push_back(path);
+}
+
 // Seconds that `work` takes.
 template <class Work>
 double timed(Work const& work)
@@ -70,27 +90,39 @@ class Run {
   std::int64_t end_of_phase(std::int64_t step) const;
   double timed_steps(std::int64_t step, std::int64_t until);
   Report report();
+  void go_on_from(SavedRun const& saved);
+  void write_recorded(SavedRun const& saved);
+  void log_start();
+  void tell_result(Summary const& result) const;
   void open_trajectory();
   void open_window();
   void watch(std::int64_t step);
-  void step_to_the_end();
+  void step_to_the_end(StopRequests& stops);
+  void save(Summary const* result);
+  [[noreturn]] void stop(std::string const& why, int signal);
   void write_frame(Report const& report);
   void close_trajectory();
   void check_state(Report const& report);
   void fetch_states();
   void write_results();
+  std::string final_file() const;
   Summary summary();
 
   RunOptions const& options_;
   Scene scene_;
   std::unique_ptr<Engine> engine_;
   std::int64_t discs_;
+  std::string identity_;
+  std::string checkpoint_; ///< where it is kept; empty: nowhere
   std::vector<std::string> warnings_;
   std::unique_ptr<TrajectoryFile> trajectory_;
   std::unique_ptr<FrameWriter> writer_;
   Stage stage_;                    ///< for the window
   std::unique_ptr<LiveView> live_; ///< if the run is watched
+  std::int64_t step_ = 0;          ///< taken so far
+  std::int64_t frames_ = 0;        ///< of the trajectory, as of the last checkpoint
   double wall_seconds_ = 0;
+  double checkpoint_seconds_ = 0; ///< that the last one took
   std::vector<DiscState> states_; ///< at the end, if anyone asks
   std::string broken_;            ///< why the state is no longer one; empty while it is
   std::vector<std::string> outputs_;
@@ -109,20 +141,71 @@ Run::Run(RunOptions const& options, Scene scene)
   stage_ = stage_of(scene_);
   std::vector<DiscState>().swap(scene_.discs); // the engine has its own
   warnings_ = engine_->warnings();
+  identity_ = identity(scene_.settings, engine_->state_hash());
+  checkpoint_ = checkpoint_path(options_, scene_.settings);
+}
+
+// What a log should know before the run begins.
+void Run::log_start()
+{
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  std::vector<LogField> fields{{"version", version()},
+                               {"git", git_state()},
+                               {"command", options_.command_line},
+                               {"host", host_name()},
+                               {"backend", engine_->backend()},
+                               {"threads", std::int64_t{engine_->threads()}},
+                               {"initial_state", hash_text(engine_->state_hash())},
+                               {"engine", std::string(name(scene_.method.engine))},
+                               {"discs", discs_},
+                               {"steps", scene_.steps},
+                               {"memory_bytes", std::int64_t{usage.ru_maxrss} * 1024}};
+  if (char const* const job = std::getenv("SLURM_JOB_ID"))
+    fields.emplace_back("job", std::string(job));
+  log_event("start", fields);
+}
+
+void Run::tell_result(Summary const& result) const
+{
+  if (options_.kokkos.quiet)
+    return;
+  if (log_format() == LogFormat::text) {
+    std::fputs(in_words(result).c_str(), stderr);
+    return;
+  }
+  Report const& report = result.report;
+  log_event("result", {{"steps", report.steps},
+                       {"wall_seconds", result.wall_seconds},
+                       {"disc_steps_per_second", result.disc_steps_per_second()},
+                       {"collisions", report.collisions},
+                       {"residual", report.energy.residual()},
+                       {"state_hash", hash_text(result.state_hash)},
+                       {"outputs", joined(result.outputs)}});
 }
 
 void Run::go()
 {
+  auto const style = Progress::style_for(options_.kokkos.quiet);
+  if (style == Progress::Style::lines)
+    log_start();
   for (std::string const& note : scene_.notes)
-    std::fprintf(stderr, "%s\n", note.c_str());
+    tell(LogLevel::info, note);
   for (std::string const& warning : warnings_)
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    tell(LogLevel::warning, warning);
+  auto const saved = find_saved(options_, scene_.settings, identity_);
+  if (saved && !saved->summary.empty())
+    return write_recorded(*saved);
+  std::string const folder = std::filesystem::path(checkpoint_).parent_path().string();
+  StopRequests stops(options_.walltime, folder.empty() ? "STOP" : folder + "/STOP");
+  if (saved)
+    go_on_from(*saved);
   if (scene_.settings.file)
     open_trajectory();
   if (options_.watching != Watching::no)
     open_window();
   try {
-    step_to_the_end();
+    step_to_the_end(stops);
   } catch (LastingContact const& contact) {
     close_trajectory();
     throw Failure(Exit::failed, contact.what());
@@ -133,12 +216,44 @@ void Run::go()
     throw Failure(Exit::failed, broken_);
 }
 
+void Run::go_on_from(SavedRun const& saved)
+{
+  try {
+    engine_->restore(saved.engine);
+  } catch (std::invalid_argument const& error) {
+    throw Failure(Exit::bad_data, error.what());
+  }
+  step_ = saved.step();
+  frames_ = saved.frames;
+  wall_seconds_ = saved.wall_seconds;
+  if (!options_.kokkos.quiet)
+    tell(LogLevel::info, fmt::format("going on after step {} of {}", step_, scene_.steps));
+}
+
+// The results of a run that is finished already. What is there of them stays as it is.
+void Run::write_recorded(SavedRun const& saved)
+{
+  auto const is_missing = [](std::string const& path) {
+    return !std::filesystem::is_regular_file(path);
+  };
+  std::vector<std::string> outputs;
+  if (is_missing(final_file()))
+    write_output(final_file(), options_.force, outputs,
+                 [&](OutputFile& file) { write_states(file, saved.engine.discs); });
+  if (is_missing(options_.json))
+    write_output(options_.json, options_.force, outputs,
+                 [&](OutputFile& file) { file.write(saved.summary_json); });
+  if (!options_.kokkos.quiet)
+    tell(LogLevel::info, "finished before:\n" + saved.summary);
+}
+
 TrajectoryHeader Run::header() const
 {
   Settings const& settings = scene_.settings;
   TrajectoryHeader header;
   header.path = settings.file.value_or("");
-  header.replace = options_.force;
+  header.replace = options_.force || !options_.resume.empty();
+  header.kept = frames_;
   header.model = scene_.model;
   header.method = scene_.method;
   header.discs = discs_;
@@ -158,6 +273,7 @@ void Run::open_trajectory()
 {
   TrajectoryHeader header = this->header();
   header.texts = {{"scene", as_toml(scene_.settings)},
+                  {"identity", identity_},
                   {"initial_state_hash", hash_text(engine_->state_hash())},
                   {"command_line", options_.command_line},
                   {"kokkos_configuration", kokkos_configuration()},
@@ -177,7 +293,7 @@ void Run::open_window()
                                     view.layout().height);
   live_ = std::make_unique<LiveView>(std::move(window), std::move(view),
                                      is_animation ? scene_.method.dt : smooth);
-  watch(0);
+  watch(step_);
 }
 
 void Run::watch(std::int64_t step)
@@ -213,42 +329,99 @@ double Run::timed_steps(std::int64_t step, std::int64_t until)
   return seconds;
 }
 
-void Run::step_to_the_end()
+// Makes a checkpoint, of the end if there is a result.
+void Run::save(Summary const* result)
+{
+  checkpoint_seconds_ = timed([&] {
+    if (writer_) {
+      writer_->flush();
+      trajectory_->sync();
+      frames_ = trajectory_->frames();
+    }
+    SavedRun run;
+    run.version = version();
+    run.identity = identity_;
+    run.frames = frames_;
+    run.wall_seconds = wall_seconds_;
+    if (result) {
+      run.summary = in_words(*result);
+      run.summary_json = as_json(*result);
+    }
+    run.engine = engine_->checkpoint();
+    write_checkpoint(checkpoint_, run);
+  });
+}
+
+void Run::stop(std::string const& why, int signal)
+{
+  std::string const where =
+      fmt::format("stopped after step {} of {} by {}", step_, scene_.steps, why);
+  if (!checkpoint_.empty())
+    save(nullptr);
+  close_trajectory();
+  if (checkpoint_.empty())
+    throw Failure(static_cast<Exit>(128 + signal),
+                  fmt::format("{} (--checkpoint FILE would allow it to go on)", where));
+  throw Failure(Exit::stopped, fmt::format("{} (the checkpoint is '{}') --resume auto goes on",
+                                           where, checkpoint_));
+}
+
+void Run::step_to_the_end(StopRequests& stops)
 {
   // Long enough that looking at the clock costs nothing, short enough for a lively bar.
   constexpr double lively = 0.05; // seconds
 
-  Progress progress(Progress::style_for(options_.kokkos.quiet), discs_, scene_.steps);
-  if (writer_)
+  using Clock = std::chrono::steady_clock;
+  std::chrono::duration<double> const checkpoint_interval(
+      scene_.settings.every_seconds.value_or(900));
+
+  Progress progress(Progress::style_for(options_.kokkos.quiet), discs_, scene_.steps, step_);
+  if (writer_ && frames_ == 0)
     write_frame(report());
+  // The first checkpoint shows that there is room for one, and how long it takes.
+  if (!checkpoint_.empty() && step_ < scene_.steps)
+    save(nullptr);
+  auto saved = Clock::now();
   std::int64_t batch = 1;
-  for (std::int64_t step = 0; step < scene_.steps && broken_.empty();) {
-    std::int64_t until = std::min(scene_.steps, step + batch);
+  while (step_ < scene_.steps && broken_.empty()) {
+    std::int64_t until = std::min(scene_.steps, step_ + batch);
     if (writer_)
-      until = std::min(until, (step / scene_.every + 1) * scene_.every);
-    until = std::min(until, end_of_phase(step));
+      until = std::min(until, (step_ / scene_.every + 1) * scene_.every);
+    until = std::min(until, end_of_phase(step_));
     bool const is_animated = live_ && live_->is_open() && options_.watching == Watching::animation;
     if (is_animated)
-      until = step + 1;
-    double const spent = timed_steps(step, until);
+      until = step_ + 1;
+    double const spent = timed_steps(step_, until);
     wall_seconds_ += spent;
-    if (spent < lively && until - step == batch)
+    if (spent < lively && until - step_ == batch)
       batch *= 2;
     else if (spent > 2 * lively)
       batch = std::max<std::int64_t>(1, batch / 2);
-    step = until;
+    step_ = until;
 
     if (is_animated || (live_ && live_->is_due()))
-      watch(step);
-    bool const is_frame = writer_ && (step % scene_.every == 0 || step == scene_.steps);
+      watch(step_);
+    bool const is_frame = writer_ && (step_ % scene_.every == 0 || step_ == scene_.steps);
     bool const is_due = progress.is_due();
     if (is_frame || is_due) {
       Report const report = this->report();
       if (is_frame)
         write_frame(report);
       if (is_due)
-        progress.update(step, report.energy.kinetic + report.energy.potential);
+        progress.update(step_, report.energy.kinetic + report.energy.potential);
       check_state(report);
+    }
+    if (step_ == scene_.steps || !broken_.empty())
+      break;
+    if (std::string const why = stops.reason(2 * checkpoint_seconds_ + spent, checkpoint_.empty());
+        !why.empty()) {
+      progress.clear();
+      stop(why, stops.signal());
+    }
+    bool const asked = stops.wants_checkpoint();
+    if (!checkpoint_.empty() && (asked || Clock::now() - saved >= checkpoint_interval)) {
+      save(nullptr);
+      saved = Clock::now();
     }
   }
 }
@@ -267,12 +440,14 @@ void Run::close_trajectory()
     return;
   writer_->finish();
   trajectory_->close();
-  std::int64_t const frames = trajectory_->frames();
+  if (!checkpoint_.empty())
+    trajectory_->sync();
+  frames_ = trajectory_->frames();
   writer_.reset();
   trajectory_.reset();
   std::error_code ignored;
   auto const bytes = std::filesystem::file_size(*scene_.settings.file, ignored);
-  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames,
+  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames_,
                                  static_cast<double>(bytes) / 1e6));
 }
 
@@ -313,33 +488,32 @@ Summary Run::summary()
   return s;
 }
 
+// Where the final states go; standard output if nothing else is written.
+std::string Run::final_file() const
+{
+  bool const to_nowhere =
+      !scene_.settings.file && options_.final_file.empty() && options_.json.empty();
+  return to_nowhere ? "-" : options_.final_file;
+}
+
 void Run::write_results()
 {
   Summary result = summary();
   if (broken_.empty())
     check_state(result.report);
+  if (!checkpoint_.empty() && broken_.empty())
+    save(&result);
 
-  bool const to_nowhere =
-      !scene_.settings.file && options_.final_file.empty() && options_.json.empty();
-  std::string const final_file = to_nowhere ? "-" : options_.final_file;
-  if (!final_file.empty() && broken_.empty()) {
-    fetch_states();
-    OutputFile file(final_file, options_.force);
-    write_states(file, states_);
-    file.commit();
-    if (final_file != "-")
-      outputs_.push_back(final_file);
-  }
-  if (!options_.json.empty()) {
-    OutputFile file(options_.json, options_.force);
-    file.write(as_json(result));
-    file.commit();
-    if (options_.json != "-")
-      outputs_.push_back(options_.json);
-  }
+  bool const replace = options_.force || !options_.resume.empty();
+  if (broken_.empty())
+    write_output(final_file(), replace, outputs_, [&](OutputFile& file) {
+      fetch_states();
+      write_states(file, states_);
+    });
+  write_output(options_.json, replace, outputs_,
+               [&](OutputFile& file) { file.write(as_json(result)); });
   result.outputs = outputs_;
-  if (!options_.kokkos.quiet)
-    std::fputs(in_words(result).c_str(), stderr);
+  tell_result(result);
 }
 
 Forecast Run::forecast()
@@ -410,6 +584,7 @@ bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t eve
 
 Exit run(RunOptions const& options)
 {
+  set_log_format(options.log_format);
   Scene scene = read_scene(options.scene);
   if (options.print_scene) {
     OutputFile out("-", false);
@@ -422,9 +597,13 @@ Exit run(RunOptions const& options)
     return Exit::done;
   }
   check_frame_options(options, scene.settings);
-  check_outputs({scene.settings.file.value_or(""), options.final_file, options.json},
-                {options.scene.file, options.scene.config, scene.settings.states.value_or("")},
-                options.force);
+  std::string const checkpoint = checkpoint_path(options, scene.settings);
+  std::vector<std::string> const outputs{scene.settings.file.value_or(""), options.final_file,
+                                         options.json, checkpoint};
+  check_outputs(outputs,
+                {options.scene.file, options.scene.config,
+                 file_of_states(scene.settings.states.value_or(""))},
+                options.force || !options.resume.empty());
   if (options.dry_run) {
     Outlook const expected = outlook(scene);
     std::string text = in_words(scene, expected);
@@ -437,6 +616,10 @@ Exit run(RunOptions const& options)
     out.commit();
     return Exit::done;
   }
+  std::vector<OutputLock> locks;
+  for (std::string const& output : outputs)
+    if (is_file_output(output))
+      locks.emplace_back(output);
   KokkosSession const kokkos(options.kokkos);
   Run(options, std::move(scene)).go();
   return Exit::done;

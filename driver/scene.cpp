@@ -6,6 +6,7 @@
 #include "overlaps.hpp"
 #include "scene_toml.hpp"
 #include "states_csv.hpp"
+#include "states_h5md.hpp"
 #include "text.hpp"
 
 #include <fmt/format.h>
@@ -141,6 +142,16 @@ void relax_discs(Scene& scene, ProblemList& problems)
 
 } // namespace
 
+std::string identity(Settings settings, std::uint64_t initial_state_hash)
+{
+  settings.states.reset();
+  settings.file.reset();
+  settings.checkpoint.reset();
+  settings.every_seconds.reset();
+  return fmt::format("{}\n[discs.initial]\nstate_hash = \"{:016x}\"\n", as_toml(settings),
+                     initial_state_hash);
+}
+
 Model model_of(Settings const& settings)
 {
   Model model;
@@ -201,7 +212,9 @@ Scene read_scene(SceneOptions const& options, Purpose purpose)
 
   bool const model_is_good =
       ricochet::problems(scene.model).empty() && !any_wrong(settings, {"box.", "discs."});
-  if (settings.states)
+  if (settings.states && is_trajectory(*settings.states))
+    scene.discs = read_frame(*settings.states, blame(settings, "discs.states"), problems);
+  else if (settings.states)
     scene.discs = read_states(*settings.states,
                               model_is_good ? std::optional(scene.model) : std::nullopt, problems);
   else if ((settings.count || settings.packing) && model_is_good)

@@ -34,6 +34,10 @@ enum class Purpose { states, run };
 /// Reads the scene. Throws Failure with everything that is wrong with it.
 Scene read_scene(SceneOptions const& options, Purpose purpose = Purpose::run);
 
+/// What the results of a run depend on, in words: the settings without the names of files, and what
+/// the discs are at the start. Runs of which it is equal have equal results.
+std::string identity(Settings settings, std::uint64_t initial_state_hash);
+
 /// The model that `settings` describe.
 Model model_of(Settings const& settings);
 

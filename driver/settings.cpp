@@ -350,6 +350,8 @@ std::vector<Key> const& keys()
                           {{"auto", Compression::automatic},
                            {"none", Compression::none},
                            {"deflate", Compression::deflate}}),
+      file("checkpoint.file", &S::checkpoint, "a file; a checkpoint cannot go to standard output"),
+      real("checkpoint.every_seconds", &S::every_seconds, "a decimal number > 0", above_zero),
   };
   return all;
 }

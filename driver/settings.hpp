@@ -63,6 +63,9 @@ struct Settings {
   std::optional<bool> float32 = false;
   std::optional<Compression> compression = Compression::automatic;
 
+  std::optional<std::string> checkpoint; ///< the file
+  std::optional<double> every_seconds;   ///< from one to the next; 900 if this is not set
+
   std::string scene;                        ///< the file that says all this, or most of it
   std::map<std::string, Origin> origins;    ///< where the keys stand that do not have their default
   std::map<std::string, std::string> names; ///< of keys, where that file has others for them

@@ -1,12 +1,15 @@
 #include "trajectory_file.hpp"
 
 #include "exit_codes.hpp"
+#include "journaled_file.hpp"
+#include "output_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <system_error>
 #include <unistd.h>
@@ -46,24 +49,32 @@ void create_constant(hid_t parent, char const* name, hsize_t count, T value)
       H5Dcreate2(parent, name, hdf5::native<T>(), space, H5P_DEFAULT, properties, H5P_DEFAULT));
 }
 
-template <class T>
-Dataset create_list(hid_t parent, char const* name, hsize_t count)
-{
-  hdf5::Dataspace const space(H5Screate_simple(1, &count, nullptr));
-  return Dataset(
-      H5Dcreate2(parent, name, hdf5::native<T>(), space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-}
-
 char const* h5md_boundary(Boundary boundary)
 {
   return boundary == Boundary::periodic ? "periodic" : "none";
 }
 
-void extend(hid_t dataset, hsize_t frames)
+void set_frames(hid_t dataset, hsize_t frames)
 {
   Shape size = hdf5::shape(dataset);
   size[0] = frames;
   hdf5::check(H5Dset_extent(dataset, size.data()));
+}
+
+Properties access_properties()
+{
+  Properties access(H5Pcreate(H5P_FILE_ACCESS));
+  // With these bounds a killed program's file opens again; newer formats mark it as in use.
+  hdf5::check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110));
+  return access;
+}
+
+// One chunk is open at a time; it must fit in the cache, and is done with once it is full.
+Properties series_access()
+{
+  Properties access(H5Pcreate(H5P_DATASET_ACCESS));
+  hdf5::check(H5Pset_chunk_cache(access, 101, 2 * block_bytes, 1.0));
+  return access;
 }
 
 } // namespace
@@ -139,13 +150,14 @@ TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
     discs_per_chunk_(chunk_sizes(header).discs),
     frames_per_block_(chunk_sizes(header).frames)
 {
-  if (header.replace)
-    ::unlink(header.path.c_str()); // who still reads the old file keeps it
   try {
-    guarded([&] { create(); });
-  } catch (Failure const& failure) {
-    if (failure.code() == Exit::io_error)
-      ::unlink(header.path.c_str()); // a file without a first frame is of no use
+    guarded([&] {
+      if (header_.kept == 0)
+        create();
+      open();
+    });
+  } catch (Failure const&) {
+    ::unlink(hidden_beside(header.path, "tmp").c_str());
     throw;
   }
 }
@@ -189,32 +201,21 @@ void TrajectoryFile::abandon()
   hsize_t size = 0;
   if (file_ >= 0 && H5Fget_filesize(file_, &size) >= 0)
     space_.release(size);
-  for (Element& element : elements_)
-    element.value.abandon();
-  for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
+  tidy_journal(header_.path);
+  for (Dataset* dataset : series())
     dataset->abandon();
   file_.abandon();
 }
 
+// What stands at the path has its head at least, however early the program is killed.
 void TrajectoryFile::create()
 {
+  if (!header_.replace && std::filesystem::exists(header_.path))
+    throw std::system_error(EEXIST, std::generic_category());
   hdf5::initialise();
-
-  Properties const access(H5Pcreate(H5P_FILE_ACCESS));
-  // With these bounds a killed program's file opens again; newer formats mark it as in use.
-  hdf5::check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110));
-  // Metadata reaches the file in flushes only, never when the cache happens to be full.
-  H5AC_cache_config_t cache;
-  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  hdf5::check(H5Pget_mdc_config(access, &cache));
-  cache.evictions_enabled = false;
-  cache.incr_mode = H5C_incr__off;
-  cache.flash_incr_mode = H5C_flash_incr__off;
-  cache.decr_mode = H5C_decr__off;
-  hdf5::check(H5Pset_mdc_config(access, &cache));
-
-  file_ = hdf5::File(H5Fcreate(header_.path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access));
-  space_ = DiskSpace(header_.path);
+  std::string const temporary = hidden_beside(header_.path, "tmp");
+  file_ = hdf5::File(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_properties()));
+  space_ = DiskSpace(temporary);
   std::uint64_t bytes = discs_ * sizeof(std::int64_t); // ids
   for (auto const& [name, text] : header_.texts)
     bytes += name.size() + text.size();
@@ -230,11 +231,45 @@ void TrajectoryFile::create()
   create_particles();
   create_observables();
   create_parameters();
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  file_.reset();
+  space_.release();
+  forget_journal(header_.path);
+  place(temporary, header_.path); // who still reads an old file keeps it
 }
 
-Dataset TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
-                                      Shape chunk, bool deflate)
+// Opens the file to go on after the frames that are to be kept.
+void TrajectoryFile::open()
+{
+  hdf5::initialise();
+  Properties const access = access_properties();
+  set_journaled(access);
+  file_ = hdf5::File(H5Fopen(header_.path.c_str(), H5F_ACC_RDWR, access));
+  space_ = DiskSpace(header_.path);
+  reserve(0);
+  step_ = open_series(step_path);
+  time_ = open_series(time_path);
+  position_ = open_series("/particles/trajectory/position/value");
+  if (header_.velocity)
+    velocity_ = open_series("/particles/trajectory/velocity/value");
+  if (hdf5::exists(file_, "/particles/trajectory/box/edges"))
+    edges_ = open_series("/particles/trajectory/box/edges/value");
+  for (Observable const& observable : observables())
+    elements_.push_back(
+        {open_series(std::string("/observables/") + observable.name + "/value"), &observable});
+
+  auto const steps = hdf5::read_all<std::int64_t>(file_, step_path);
+  auto const kept = static_cast<std::size_t>(header_.kept);
+  if (steps.size() < kept)
+    throw hdf5::Error(
+        fmt::format("it has {} of the {} frames that the checkpoint counts", steps.size(), kept));
+  for (Dataset* dataset : series())
+    set_frames(*dataset, kept);
+  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  frames_ = header_.kept;
+}
+
+void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
+                                   Shape chunk, bool deflate)
 {
   Shape size{0}, most{H5S_UNLIMITED};
   size.insert(size.end(), row.begin(), row.end());
@@ -248,10 +283,24 @@ Dataset TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type
     hdf5::check(H5Pset_shuffle(creation));
     hdf5::check(H5Pset_deflate(creation, 1));
   }
-  // One chunk is open at a time; it must fit in the cache, and is done with once it is full.
-  Properties const access(H5Pcreate(H5P_DATASET_ACCESS));
-  hdf5::check(H5Pset_chunk_cache(access, 101, 2 * block_bytes, 1.0));
-  return Dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, access));
+  Dataset const dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+}
+
+Dataset TrajectoryFile::open_series(std::string const& path) const
+{
+  return Dataset(H5Dopen2(file_, path.c_str(), series_access()));
+}
+
+// Everything that has a row a frame.
+std::vector<Dataset*> TrajectoryFile::series()
+{
+  std::vector<Dataset*> all;
+  for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
+    if (*dataset >= 0)
+      all.push_back(dataset);
+  for (Element& element : elements_)
+    all.push_back(&element.value);
+  return all;
 }
 
 // H5MD wants elements that are sampled together to share their axes.
@@ -270,14 +319,13 @@ void TrajectoryFile::create_particles()
   Group const group = hdf5::create_group(file_, "/particles/trajectory");
 
   Group const position = hdf5::create_group(group, "position");
-  position_ = create_series(position, "value", real, row, chunk, header_.deflate);
-  step_ = create_series(position, "step", hdf5::native<std::int64_t>(), {},
-                        {std::min(planned, series_chunk)});
-  time_ = create_series(position, "time", hdf5::native<double>(), {},
-                        {std::min(planned, series_chunk)});
+  create_series(position, "value", real, row, chunk, header_.deflate);
+  create_series(position, "step", hdf5::native<std::int64_t>(), {},
+                {std::min(planned, series_chunk)});
+  create_series(position, "time", hdf5::native<double>(), {}, {std::min(planned, series_chunk)});
   if (header_.velocity) {
     Group const velocity = hdf5::create_group(group, "velocity");
-    velocity_ = create_series(velocity, "value", real, row, chunk, header_.deflate);
+    create_series(velocity, "value", real, row, chunk, header_.deflate);
     link_time(velocity);
   }
 
@@ -289,12 +337,12 @@ void TrajectoryFile::create_particles()
       std::vector<std::string>{h5md_boundary(box.x), h5md_boundary(box.y), "none"});
   if (box.x == Boundary::periodic || box.y == Boundary::periodic) {
     Group const edges = hdf5::create_group(box_group, "edges");
-    edges_ = create_series(edges, "value", hdf5::native<double>(), {3, 3},
-                           {std::min(planned, series_chunk), 3, 3});
+    create_series(edges, "value", hdf5::native<double>(), {3, 3},
+                  {std::min(planned, series_chunk), 3, 3});
     link_time(edges);
   }
 
-  Dataset const id = create_list<std::int64_t>(group, "id", discs_);
+  Dataset const id = hdf5::create_list<std::int64_t>(group, "id", {discs_});
   std::vector<std::int64_t> ids;
   for (hsize_t first = 0; first < discs_; first += ids.size()) {
     ids.resize(std::min(discs_ - first, most_discs_per_chunk));
@@ -318,7 +366,7 @@ void TrajectoryFile::create_observables()
       chunk.push_back(observable.columns);
     }
     hid_t const type = observable.real ? hdf5::native<double>() : hdf5::native<std::int64_t>();
-    elements_.push_back({create_series(group, "value", type, row, chunk), &observable});
+    create_series(group, "value", type, row, chunk);
     link_time(group);
   }
 }
@@ -396,8 +444,7 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
   }
   write_series<double>(time_, frames, 0, [](Report const& report, hsize_t) { return report.time; });
 
-  // `step` says how many frames there are, so it follows only when all else is in the file.
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  // `step` says how many frames there are, so it is the last to know of more.
   write_series<std::int64_t>(step_, frames, 0,
                              [](Report const& report, hsize_t) { return report.steps; });
   hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
@@ -411,7 +458,7 @@ void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Fr
                                    std::vector<Real>& buffer)
 {
   auto const start = static_cast<hsize_t>(frames_);
-  extend(dataset, start + frames.size());
+  set_frames(dataset, start + frames.size());
   for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
     hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
     buffer.resize(frames.size() * count * 3);
@@ -435,7 +482,7 @@ void TrajectoryFile::write_series(hid_t dataset, std::vector<std::unique_ptr<Fra
     for (hsize_t column = 0; column < std::max<hsize_t>(1, columns); ++column)
       values.push_back(get(frame->report, column));
   auto const start = static_cast<hsize_t>(frames_);
-  extend(dataset, start + frames.size());
+  set_frames(dataset, start + frames.size());
   if (columns > 0)
     hdf5::write(dataset, {start, 0}, {frames.size(), columns}, values.data());
   else
@@ -451,16 +498,19 @@ void TrajectoryFile::write_edges(std::vector<std::unique_ptr<Frame>> const& fram
   for (std::size_t i = 0; i < frames.size(); ++i)
     values.insert(values.end(), {box.width, 0, 0, 0, box.height, 0, 0, 0, depth});
   auto const start = static_cast<hsize_t>(frames_);
-  extend(edges_, start + frames.size());
+  set_frames(edges_, start + frames.size());
   hdf5::write(edges_, {start, 0, 0}, {frames.size(), 3, 3}, values.data());
+}
+
+void TrajectoryFile::sync()
+{
+  guarded([&] { sync_to_disk(header_.path); });
 }
 
 void TrajectoryFile::close()
 {
   guarded([&] {
-    for (Element& element : elements_)
-      element.value.reset();
-    for (Dataset* dataset : {&step_, &time_, &position_, &velocity_, &edges_})
+    for (Dataset* dataset : series())
       dataset->reset();
     file_.reset();
     space_.release();

@@ -19,7 +19,8 @@ namespace ricochet::driver {
 /// What is known about a trajectory before its first frame.
 struct TrajectoryHeader {
   std::string path;
-  bool replace = false; ///< an existing file
+  bool replace = false;  ///< an existing file
+  std::int64_t kept = 0; ///< frames of an existing file to go on after; 0: a new file
   Model model;
   Method method;
   std::int64_t discs = 0;
@@ -65,6 +66,9 @@ class TrajectoryFile {
   /// Appends `frames` and has them flushed.
   void append(std::vector<std::unique_ptr<Frame>> const& frames);
 
+  /// Has all appended frames written to the disk.
+  void sync();
+
   /// Completes the file.
   void close();
 
@@ -80,11 +84,14 @@ class TrajectoryFile {
   template <class Work>
   void guarded(Work const& work);
   void create();
+  void open();
+  hdf5::Dataset open_series(std::string const& path) const;
+  std::vector<hdf5::Dataset*> series();
   void create_particles();
   void create_observables();
   void create_parameters();
-  hdf5::Dataset create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
-                              hdf5::Shape chunk, bool deflate = false);
+  static void create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
+                            hdf5::Shape chunk, bool deflate = false);
   void link_time(hid_t element);
   template <class Real>
   void write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,

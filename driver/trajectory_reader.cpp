@@ -2,6 +2,7 @@
 
 #include "exit_codes.hpp"
 #include "input_file.hpp"
+#include "journaled_file.hpp"
 
 #include <fmt/format.h>
 
@@ -56,7 +57,9 @@ TrajectoryReader::TrajectoryReader(std::string const& path) : path_(path)
     throw Failure(Exit::bad_data, fmt::format("cannot read '{}': it is not an HDF5 file", path));
   guarded([&] {
     hdf5::initialise();
-    file_ = hdf5::File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    hdf5::Properties const journaled(H5Pcreate(H5P_FILE_ACCESS));
+    set_journaled(journaled); // what a killed program did not finish is seen as if it had
+    file_ = hdf5::File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, journaled));
     group_ = particle_group(file_);
     // `step` is written last: only the frames it counts are complete.
     steps_ = hdf5::read_all<std::int64_t>(file_, group_ + "/position/step");

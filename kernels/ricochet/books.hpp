@@ -40,6 +40,21 @@ struct Books {
   }
 };
 
+/// Calls visit(name, number) for every number of `books`.
+template <class Visit>
+void visit_numbers(Books& books, Visit const& visit)
+{
+  books.lost_pairs.visit_numbers("lost_pairs", visit);
+  books.lost_walls.visit_numbers("lost_walls", visit);
+  books.numerical.visit_numbers("numerical", visit);
+  books.virial.visit_numbers("virial", visit);
+  visit("collisions", books.collisions);
+  visit("separating_hits", books.separating_hits);
+  visit("wall_hits", books.wall_hits);
+  visit("max_overlap", books.max_overlap);
+  visit("max_outside", books.max_outside);
+}
+
 /// Kinetic energy of a disc of unit mass.
 template <class Real>
 KOKKOS_INLINE_FUNCTION double kinetic_energy(Vec2<Real> velocity)

@@ -7,6 +7,7 @@
 #include "ricochet/model.hpp"
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -101,6 +102,14 @@ struct Report {
   std::optional<double> pressure_z;
 };
 
+/// With the scene, all that a run's future depends on: another engine goes on from it as the one
+/// that gave it would, with the same bits in states and reports.
+struct Checkpoint {
+  std::vector<DiscState> discs;                 ///< in id order
+  std::map<std::string, std::int64_t> integers; ///< the books and the clock, by name
+  std::map<std::string, double> reals;
+};
+
 /// Thrown by an engine that cannot go on because discs stay in contact: which discs, where and
 /// when.
 class LastingContact : public std::runtime_error {
@@ -129,6 +138,13 @@ class Engine {
   /// A 64-bit fingerprint of the states in id order, as binary64. Equal states have equal
   /// fingerprints on every machine.
   virtual std::uint64_t state_hash() = 0;
+
+  /// What the run has come to.
+  virtual Checkpoint checkpoint() = 0;
+
+  /// Goes on from `checkpoint`, given by an engine that was made with the same model, initial
+  /// states and method, apart from its placement. Throws std::invalid_argument if that cannot be.
+  virtual void restore(Checkpoint const& checkpoint) = 0;
 
   /// What a user of this engine should know about this scene; empty if nothing.
   virtual std::vector<std::string> warnings() const = 0;

@@ -4,6 +4,7 @@
 // in which discs that meet are evolved as islands. kernels/README.md says why this is exact.
 #pragma once
 
+#include "ricochet/checkpoint.hpp"
 #include "ricochet/events_islands.hpp"
 #include "ricochet/reproducible.hpp"
 #include "ricochet/run_books.hpp"
@@ -35,12 +36,29 @@ class EventDriven : public Engine {
 
   void states(DiscState* out) override { copy_states(space_, discs_, out); }
   std::uint64_t state_hash() override { return ricochet::state_hash(space_, discs_); }
+  Checkpoint checkpoint() override { return save(space_, discs_, numbers()); }
+  void restore(Checkpoint const& checkpoint) override
+  {
+    ricochet::restore(space_, discs_, numbers(), checkpoint);
+  }
   std::vector<std::string> warnings() const override { return {}; }
   std::string backend() const override { return Space::name(); }
   int threads() const override { return space_.concurrency(); }
 
  private:
   using Range = Kokkos::RangePolicy<Space>;
+
+  auto numbers()
+  {
+    return [this](auto const& visit) {
+      books_.visit_numbers(space_, visit);
+      visit("deepest_overlap", max_overlap_);
+      visit("farthest_outside", max_outside_);
+      visit("windows", windows_);
+      visit("window", window_);
+      visit("largest_island", largest_island_);
+    };
+  }
 
   void step()
   {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 namespace ricochet {
 
@@ -42,6 +43,14 @@ struct ExactSum {
     low += other.low;
     out_of_range += other.out_of_range;
     carry();
+  }
+
+  template <class Visit>
+  void visit_numbers(std::string const& name, Visit const& visit)
+  {
+    visit(name + ".high", high);
+    visit(name + ".low", low);
+    visit(name + ".out_of_range", out_of_range);
   }
 
   /// The sum, rounded to double.

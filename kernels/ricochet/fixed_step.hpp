@@ -1,6 +1,7 @@
 // The time step of the original model, shared by the engines that follow it.
 #pragma once
 
+#include "ricochet/checkpoint.hpp"
 #include "ricochet/contacts.hpp"
 #include "ricochet/flight.hpp"
 #include "ricochet/reproducible.hpp"
@@ -64,11 +65,24 @@ class FixedStep : public Engine {
 
   void states(DiscState* out) override { copy_states(space_, discs_, out); }
   std::uint64_t state_hash() override { return ricochet::state_hash(space_, discs_); }
+  Checkpoint checkpoint() override { return save(space_, discs_, numbers()); }
+  void restore(Checkpoint const& checkpoint) override
+  {
+    ricochet::restore(space_, discs_, numbers(), checkpoint);
+  }
   std::vector<std::string> warnings() const override { return warnings_; }
   std::string backend() const override { return Space::name(); }
   int threads() const override { return space_.concurrency(); }
 
  private:
+  auto numbers()
+  {
+    return [this](auto const& visit) {
+      books_.visit_numbers(space_, visit);
+      pairs_.visit_numbers(visit);
+    };
+  }
+
   void step()
   {
     ProfilingRegion const region("ricochet::step");

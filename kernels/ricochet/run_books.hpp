@@ -53,6 +53,19 @@ class RunBooks {
     virial_before_ = entries(space).virial.value(scales_.virial);
   }
 
+  /// For checkpoints; the rest follows from the scene.
+  template <class Visit>
+  void visit_numbers(Space const& space, Visit const& visit)
+  {
+    Books books = entries(space);
+    ricochet::visit_numbers(books, visit);
+    Kokkos::deep_copy(space, books_, books);
+    space.fence();
+    visit("steps", steps_);
+    visit("measured_from", measured_from_);
+    visit("virial_before", virial_before_);
+  }
+
   /// The report of a run that has come to the state `discs`.
   template <class Real>
   Report report(Space const& space, Discs<Space, Real> const& discs) const

@@ -94,6 +94,10 @@ class SimultaneousPairs {
   }
 
   ExecutionCounts executions() const { return {}; }
+  template <class Visit>
+  void visit_numbers(Visit const&)
+  {
+  }
 
  private:
   BooksView<Space> books_;

@@ -47,6 +47,18 @@ class OrderedPairs {
   /// How the pair steps so far were executed.
   ExecutionCounts executions() const { return executions_; }
 
+  /// For checkpoints.
+  template <class Visit>
+  void visit_numbers(Visit const& visit)
+  {
+    visit("executions.islands", executions_.islands);
+    visit("executions.crowd", executions_.crowd);
+    visit("executions.rounds", executions_.rounds);
+    visit("executions.in_order", executions_.in_order);
+    visit("pause", pause_);
+    visit("steps_to_pause", steps_to_pause_);
+  }
+
  private:
   using Range = Kokkos::RangePolicy<Space>;
   using Counts = typename Islands<Space>::Counts;

@@ -62,6 +62,16 @@ std::string scene(std::string const& name)
   return std::string(RICOCHET_SCENES) + "/" + name;
 }
 
+std::string slurm(std::string const& name)
+{
+  return std::string(RICOCHET_SLURM) + "/" + name;
+}
+
+std::string program()
+{
+  return RICOCHET_PROGRAM;
+}
+
 Outcome ricochet(std::vector<std::string> const& arguments, ProcessOptions const& options)
 {
   return Process(arguments, options).wait();
@@ -73,7 +83,7 @@ Process::Process(std::vector<std::string> const& arguments, ProcessOptions const
   // Everything is made ready before fork(): afterwards, in a program with threads, little is
   // allowed.
   std::string const err = folder_ / "err";
-  std::vector<std::string> words{RICOCHET_PROGRAM};
+  std::vector<std::string> words{options.other_program.empty() ? program() : options.other_program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words)
@@ -83,8 +93,12 @@ Process::Process(std::vector<std::string> const& arguments, ProcessOptions const
   std::vector<char*> environment;
   for (std::string& variable : variables)
     environment.push_back(variable.data());
-  for (char** variable = environ; *variable; ++variable)
-    environment.push_back(*variable);
+  for (char** variable = environ; *variable; ++variable) {
+    std::string const present = *variable, name = present.substr(0, present.find('=') + 1);
+    if (std::none_of(variables.begin(), variables.end(),
+                     [&](std::string const& other) { return other.rfind(name, 0) == 0; }))
+      environment.push_back(*variable);
+  }
   environment.push_back(nullptr);
 
   id_ = ::fork();
@@ -131,8 +145,13 @@ bool Process::is_running()
 
 void Process::kill()
 {
+  send(SIGKILL);
+}
+
+void Process::send(int signal)
+{
   if (!ended_)
-    ::kill(id_, SIGKILL);
+    ::kill(id_, signal);
 }
 
 Outcome Process::wait()

@@ -36,6 +36,12 @@ std::string text_of(std::string const& path);
 /// Path of a ready-made scene's file.
 std::string scene(std::string const& name);
 
+/// Path of a template for Slurm.
+std::string slurm(std::string const& name);
+
+/// Path of the program.
+std::string program();
+
 /// How a program ended and what it said.
 struct Outcome {
   int code = -1; ///< exit code, or 128 + signal
@@ -43,9 +49,10 @@ struct Outcome {
 };
 
 struct ProcessOptions {
-  std::vector<std::string> environment; ///< NAME=VALUE, beside the present one
+  std::vector<std::string> environment; ///< NAME=VALUE, beside and instead of the present one
   std::int64_t file_size_limit = -1;    ///< bytes; -1: none
   std::string standard_output;          ///< a file to open instead of reading along
+  std::string other_program = {};       ///< to run instead of ricochet
 };
 
 /// Runs `ricochet` with these arguments to its end.
@@ -61,6 +68,7 @@ class Process {
 
   bool is_running();
   void kill();
+  void send(int signal);
   Outcome wait();
 
  private:

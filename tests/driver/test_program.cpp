@@ -1,5 +1,5 @@
 // The program as a process: exit codes, what goes where, what is never overwritten.
-#include "process.hpp"
+#include "jobs.hpp"
 #include "trajectory_reader.hpp"
 
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 namespace ricochet::test {
 namespace {
@@ -15,11 +16,6 @@ namespace {
 using driver::TrajectoryReader;
 
 std::string const two_discs = "-40,0,60,0\n40,0,-60,0\n";
-
-bool contains(std::string const& text, std::string const& part)
-{
-  return text.find(part) != std::string::npos;
-}
 
 TEST(Program, HelpAndVersionAreAnsweredOnStandardOutput)
 {
@@ -361,6 +357,30 @@ TEST(Program, ALogHasNoBarAndNoControlCharacters)
   EXPECT_EQ(outcome.code, 0);
   EXPECT_FALSE(contains(outcome.err, "\r"));
   EXPECT_FALSE(contains(outcome.err, "\033"));
+}
+
+TEST(Program, ALogAsJsonIsAnObjectALine)
+{
+  Folder const folder;
+  auto const s = folder.write("s.csv", two_discs);
+  Arguments const run{
+      "run",  s,         "--steps",       "5", "--engine", "simultaneous", "--log-format",
+      "json", "--final", folder / "f.csv"};
+  for (int const code : {0, 73}) {
+    Outcome const outcome = ricochet(run);
+    EXPECT_EQ(outcome.code, code);
+    std::istringstream lines(outcome.err);
+    std::string line, events;
+    while (std::getline(lines, line)) {
+      EXPECT_EQ(line.rfind("{\"time\":\"20", 0), 0u) << line;
+      EXPECT_EQ(line.back(), '}') << line;
+      std::size_t const at = line.find("\"event\":\"");
+      events += at == std::string::npos ? "-" : line.substr(at + 9, 2);
+    }
+    EXPECT_EQ(events, code == 0 ? "st-reen" : "-en") << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "\"code\":" + std::to_string(code) + "}")) << outcome.err;
+  }
+  EXPECT_EQ(ricochet({"run", s, "--log-format", "xml"}).code, 64);
 }
 
 } // namespace

@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
              "= \"sweep\" below [run]"},
         Case{"gravity = 1\n" TWO_DISCS SWEEP,
              "s.toml:1:1: unknown key 'gravity' (allowed: box, discs, forces, contact, run, "
-             "output) did you mean 'forces.gravity'?"},
+             "output, checkpoint) did you mean 'forces.gravity'?"},
         Case{TWO_DISCS SWEEP "duratoin = 1\n",
              "s.toml:5:1: unknown key 'duratoin' (allowed in run: duration, steps, steps_per_time, "
              "dt, engine, precision, measure_from) did you mean 'duration'?"},
@@ -248,11 +248,12 @@ INSTANTIATE_TEST_SUITE_P(
              "s.toml:5:1: unknown key 'foo' (allowed in run: duration, steps, steps_per_time, dt, "
              "engine, precision, measure_from)"},
         Case{TWO_DISCS SWEEP "[forcse]\ngravity = 1\n",
-             "s.toml:5:2: unknown key 'forcse' (allowed: box, discs, forces, contact, run, output) "
+             "s.toml:5:2: unknown key 'forcse' (allowed: box, discs, forces, contact, run, output, "
+             "checkpoint) "
              "did you mean 'forces'?"},
         Case{TWO_DISCS SWEEP "[physics]\nviscosity = 1\n",
              "s.toml:5:2: unknown key 'physics' (allowed: box, discs, forces, contact, run, "
-             "output)"},
+             "output, checkpoint)"},
         Case{TWO_DISCS SWEEP "[box.size]\nwidth = 5\n",
              "s.toml:5:6: unknown key 'size' (allowed in box: width, height, x, y)"},
         Case{"box = 5\n" TWO_DISCS SWEEP,

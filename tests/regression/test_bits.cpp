@@ -334,6 +334,57 @@ TEST(EngineBits, AreTheSameAcrossARestart)
     expect_same_across_restart(scene, way, 25, 15);
 }
 
+// More than a restart: the books, the clock and the measurement go on as well, on other threads
+// too.
+void expect_same_from_checkpoint(Scene const& scene, Way const& way, std::int64_t before,
+                                 std::int64_t after)
+{
+  SCOPED_TRACE(name(way));
+  auto const whole = start(scene, way);
+  whole->advance(before / 2);
+  whole->start_measuring();
+  whole->advance(before - before / 2);
+  Checkpoint const checkpoint = whole->checkpoint();
+  whole->advance(after);
+
+  for (auto const placement : {Placement::serial, Placement::parallel}) {
+    Way elsewhere = way;
+    elsewhere.placement = placement;
+    auto const resumed = start(scene, elsewhere);
+    resumed->advance(1); // nothing of what it did before may be left
+    resumed->restore(checkpoint);
+    resumed->advance(after);
+    EXPECT_TRUE(same_bits(states(resumed), states(whole)));
+    EXPECT_TRUE(same_bits(resumed->report(), whole->report()));
+    EXPECT_EQ(resumed->report().windows, whole->report().windows); // how long the next should be
+  }
+}
+
+TEST(EngineBits, AreTheSameFromACheckpoint)
+{
+  auto const sparse = crowd(300, 0.6, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
+  // Takes some of its steps in order, and for how long depends on those before.
+  auto const dense = crowd(500, 0.45, 20, Ids::shuffled, 9.81, scaling, walls, walls, 5);
+  for (auto const& way : all_ways()) {
+    expect_same_from_checkpoint(sparse, way, 26, 15);
+    expect_same_from_checkpoint(dense, way, 7, 30);
+  }
+  auto const executions = report_after(dense, sweep_ways()[0], 37).executions;
+  EXPECT_GT(executions.in_order, 0);
+  EXPECT_GT(executions.islands + executions.crowd, 0);
+}
+
+TEST(EngineBits, ACheckpointOfAnotherSceneIsRefused)
+{
+  auto const scene = crowd(30, 0.3, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
+  auto const larger = crowd(31, 0.3, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
+  auto const run = start(scene, sweep_ways()[0]);
+  EXPECT_THROW(run->restore(start(larger, sweep_ways()[0])->checkpoint()), std::invalid_argument);
+  Checkpoint partial = run->checkpoint();
+  partial.integers.erase("steps");
+  EXPECT_THROW(run->restore(partial), std::invalid_argument);
+}
+
 std::vector<Way> event_ways()
 {
   std::vector<Way> ways;
@@ -382,6 +433,13 @@ TEST(EventBits, AreTheSameAcrossARestart)
   auto const scene = fluid(500, 0.5, 0.5, elastic, periodic, walls, 32);
   for (auto const& way : event_ways())
     expect_same_across_restart(scene, way, 3, 3);
+}
+
+TEST(EventBits, AreTheSameFromACheckpoint)
+{
+  auto const scene = fluid(500, 0.5, 0.5, elastic, periodic, walls, 32);
+  for (auto const& way : event_ways())
+    expect_same_from_checkpoint(scene, way, 4, 3);
 }
 
 TEST(EventBits, DoNotDependOnHowStepsAreGroupedOrOnWhoLooks)

@@ -1,0 +1,380 @@
+// A run that is stopped and goes on is the run that was never stopped.
+#include "checkpoint_file.hpp"
+#include "jobs.hpp"
+#include "trajectory_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace ricochet::test {
+namespace {
+
+using driver::TrajectoryReader;
+struct Kind {
+  std::string engine, precision;
+};
+
+std::ostream& operator<<(std::ostream& out, Kind const& kind)
+{
+  return out << kind.engine << " " << kind.precision;
+}
+
+class Resume : public testing::TestWithParam<Kind> {};
+
+// Stopped twice by different requests, on one thread and on two in turn.
+TEST_P(Resume, GivesTheResultOfTheRunThatWasNeverStopped)
+{
+  Folder const folder;
+  Arguments const scene{write_gas(folder), "--engine",           GetParam().engine,
+                        "--precision",     GetParam().precision, "-q"};
+  Job const whole{folder, "whole", scene}, parts{folder, "parts", scene};
+  ASSERT_EQ(ricochet(whole.run() + Arguments{"--threads", "2"}).code, 0);
+
+  int signal = SIGUSR1;
+  for (std::int64_t const least : {20, 150}) {
+    Process run(parts.resume() + Arguments{"--threads", least == 20 ? "2" : "1"});
+    ASSERT_TRUE(eventually(run, [&] { return parts.step() >= least; }));
+    run.send(signal);
+    Outcome const stopped = run.wait();
+    ASSERT_EQ(stopped.code, 75) << stopped.err;
+    EXPECT_TRUE(contains(stopped.err, "stopped after step")) << stopped.err;
+    EXPECT_GE(parts.step(), least);
+    EXPECT_LT(parts.step(), 300);
+    TrajectoryReader const so_far(parts.trajectory());
+    EXPECT_EQ(so_far.frames(), 1 + parts.step() / 7);
+    signal = SIGTERM;
+  }
+  Outcome const rest = ricochet(parts.resume() + Arguments{"--threads", "2"});
+  ASSERT_EQ(rest.code, 0) << rest.err;
+  expect_equal_results(parts, whole);
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, Resume,
+                         testing::Values(Kind{"sweep", "double"}, Kind{"sweep", "single"},
+                                         Kind{"simultaneous", "double"}, Kind{"events", "double"},
+                                         Kind{"events", "single"}),
+                         [](auto const& kind) {
+                           return kind.param.engine + "_" + kind.param.precision;
+                         });
+
+Job small_job(Folder const& folder, Arguments const& more = {})
+{
+  return {folder, "t", Arguments{scene("gas_2000.csv"), scene("gas_2000.config.csv"), "-q"} + more};
+}
+
+TEST(Batch, EveryKindOfRequestStopsWithACheckpoint)
+{
+  struct {
+    std::string what;
+    ProcessOptions options;
+    Arguments arguments;
+  } const requests[] = {
+      {"end of its time", {{}, -1, ""}, {"--max-walltime", "0:00:01"}},
+      {"end of its time", {{"RICOCHET_STOP_AT=1000000000"}, -1, ""}, {}},
+      {"STOP", {{}, -1, ""}, {}},
+  };
+  for (auto const& request : requests) {
+    Folder const folder;
+    Job const job = small_job(folder, {"--steps", "1000000", "--every", "1000"});
+    if (request.what == "STOP")
+      folder.write("STOP", "");
+    Outcome const outcome = ricochet(job.resume() + request.arguments, request.options);
+    EXPECT_EQ(outcome.code, 75) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, request.what)) << outcome.err;
+    // However short the time, a job comes farther than the one before.
+    std::int64_t const step = job.step();
+    EXPECT_GT(step, 0);
+    EXPECT_EQ(ricochet(job.resume() + request.arguments, request.options).code, 75);
+    EXPECT_GT(job.step(), step);
+  }
+}
+
+TEST(Batch, AnInterruptStopsWithACheckpointToo)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "1000000", "--every", "1000"});
+  Process run(job.resume());
+  ASSERT_TRUE(eventually(run, [&] { return job.step() > 10; }));
+  run.send(SIGINT);
+  EXPECT_EQ(run.wait().code, 75);
+}
+
+TEST(Batch, WithoutACheckpointASignalEndsARunWithTheTrajectorySoFar)
+{
+  for (int const signal : {SIGINT, SIGTERM}) {
+    Folder const folder;
+    Job const job = small_job(folder, {"--steps", "1000000"});
+    Process run(job.run());
+    ASSERT_TRUE(eventually(run, [&] { return std::filesystem::exists(job.trajectory()); }));
+    run.send(signal);
+    Outcome const outcome = run.wait();
+    EXPECT_EQ(outcome.code, 128 + signal) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "--checkpoint")) << outcome.err;
+    EXPECT_GT(TrajectoryReader(job.trajectory()).frames(), 0);
+    EXPECT_FALSE(std::filesystem::exists(job.checkpoint()));
+  }
+}
+
+TEST(Batch, ACheckpointIsMadeWhenAskedFor)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "1000000", "--every", "1000"});
+  Process run(job.run() + Arguments{"--resume", "auto"}); // every quarter of an hour
+  ASSERT_TRUE(eventually(run, [&] { return job.step() == 0; }));
+  for (std::int64_t before = 0, times = 0; times < 2; ++times) {
+    run.send(SIGUSR2);
+    ASSERT_TRUE(eventually(run, [&] { return job.step() > before; }));
+    before = job.step();
+  }
+}
+
+// Names, times and contents of the files in a folder.
+std::vector<std::string> snapshot(Folder const& folder)
+{
+  std::vector<std::string> all;
+  for (std::string const& name : folder.names()) {
+    struct stat status {};
+    EXPECT_EQ(::stat((folder / name).c_str(), &status), 0);
+    all.push_back(name + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+                  std::to_string(status.st_mtim.tv_nsec) + " " + std::to_string(status.st_ino) +
+                  " " + text_of(folder / name));
+  }
+  return all;
+}
+
+TEST(Batch, AFinishedJobChangesNoFileAndTellsItsResult)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "100", "--every", "10"});
+  ASSERT_EQ(ricochet(job.resume()).code, 0);
+  auto const before = snapshot(folder);
+  ASSERT_EQ(before.size(), 5u) << "trajectory, states, summary, checkpoint, the one before it";
+  Outcome const again = ricochet(job.resume());
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.err, "") << "quiet";
+  EXPECT_EQ(snapshot(folder), before);
+
+  // Results that are not there are written from what was recorded.
+  std::string const states = text_of(job.states()), json = text_of(job.json());
+  std::filesystem::remove(job.states());
+  std::filesystem::remove(job.json());
+  EXPECT_EQ(ricochet(job.resume()).code, 0);
+  EXPECT_EQ(text_of(job.states()), states);
+  EXPECT_EQ(text_of(job.json()), json);
+  Arguments words{"run",
+                  scene("gas_2000.csv"),
+                  scene("gas_2000.config.csv"),
+                  "--steps",
+                  "100",
+                  "--every",
+                  "10",
+                  "-o",
+                  job.trajectory(),
+                  "--resume",
+                  "auto",
+                  "--json",
+                  "-"};
+  Outcome const told = ricochet(words);
+  EXPECT_EQ(told.out, json);
+  EXPECT_TRUE(contains(told.err, "100 steps of sweep")) << told.err;
+}
+
+TEST(Batch, OutputsOfAnotherRunAreRefused)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "20"});
+  Job const other = small_job(folder, {"--steps", "20", "--dt", "0.01"});
+  ASSERT_EQ(ricochet(job.resume()).code, 0);
+  auto const before = snapshot(folder);
+  Outcome const refused = ricochet(other.resume());
+  EXPECT_EQ(refused.code, 73);
+  EXPECT_TRUE(contains(refused.err, "dt = 0.01")) << refused.err;
+  EXPECT_EQ(snapshot(folder), before);
+
+  // The same without the checkpoint: the trajectory knows what it is of.
+  std::filesystem::remove(job.checkpoint());
+  std::filesystem::remove(driver::previous_checkpoint(job.checkpoint()));
+  Outcome const trajectory = ricochet(other.resume());
+  EXPECT_EQ(trajectory.code, 73);
+  EXPECT_TRUE(contains(trajectory.err, "dt = 0.01")) << trajectory.err;
+  EXPECT_EQ(ricochet(job.resume()).code, 73) << "states and summary may be anyone's";
+  std::filesystem::remove(job.states());
+  std::filesystem::remove(job.json());
+  EXPECT_EQ(ricochet(job.resume()).code, 0) << "its own trajectory is begun anew";
+  EXPECT_EQ(ricochet(other.resume() + Arguments{"--force"}).code, 0);
+  EXPECT_TRUE(contains(TrajectoryReader(job.trajectory()).text("identity"), "dt = 0.01"));
+}
+
+TEST(Batch, OtherDiscsAreAnotherRun)
+{
+  Folder const folder;
+  auto const states = folder.write("s.csv", "0,0,1,1\n50,0,-1,0\n");
+  Job const job{folder, "t", {states, "--steps", "20", "-q"}};
+  ASSERT_EQ(ricochet(job.resume()).code, 0);
+  folder.write("s.csv", "0,0,1,1\n50,0,-1,1\n");
+  Outcome const refused = ricochet(job.resume());
+  EXPECT_EQ(refused.code, 73);
+  EXPECT_TRUE(contains(refused.err, "state_hash")) << refused.err;
+}
+
+TEST(Batch, TheCheckpointBeforeServesWhereTheLastOneIsDamaged)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "60", "--every", "7"});
+  Job const whole{folder, "whole", job.scene};
+  ASSERT_EQ(ricochet(whole.run()).code, 0);
+  ProcessOptions late;
+  late.environment = {"RICOCHET_STOP_AT=1"};
+  for (int jobs = 0; jobs < 3; ++jobs)
+    ASSERT_EQ(ricochet(job.resume(), late).code, 75);
+  std::filesystem::resize_file(job.checkpoint(), 1000);
+  Outcome const outcome = ricochet(job.resume());
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "damaged")) << outcome.err;
+  expect_equal_results(job, whole);
+}
+
+// Wherever the disk is full first: head, frames or checkpoint.
+TEST(Batch, AJobGoesOnWhenThereIsRoomAgain)
+{
+  Folder const reference;
+  Arguments const more{"--steps", "60", "--compress", "none"};
+  Job const whole = small_job(reference, more);
+  ASSERT_EQ(ricochet(whole.run()).code, 0);
+  int went_on = 0;
+  for (std::int64_t const limit : {3000, 40000, 66000, 600000, 3300000, 4800000}) {
+    Folder const folder;
+    Job const job = small_job(folder, more);
+    ProcessOptions full;
+    full.file_size_limit = limit;
+    Outcome const outcome = ricochet(job.resume(), full);
+    EXPECT_EQ(outcome.code, 74) << limit << ": " << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "File too large")) << outcome.err;
+    if (std::filesystem::exists(job.trajectory()))
+      went_on += TrajectoryReader(job.trajectory()).frames() > 10;
+    EXPECT_EQ(ricochet(job.resume(), full).code, 74) << "still full";
+    Outcome const rest = ricochet(job.resume());
+    ASSERT_EQ(rest.code, 0) << limit << ": " << rest.err;
+    expect_equal_results(job, whole);
+  }
+  EXPECT_GT(went_on, 1);
+}
+
+TEST(Batch, TwoJobsOnOneOutputAreRefused)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "1000000", "--every", "1000"});
+  Process first(job.resume());
+  ASSERT_TRUE(eventually(first, [&] { return job.step() > 0; }));
+  for (Arguments const& second :
+       {job.resume(), job.run() + Arguments{"--force"},
+        Arguments{"run", scene("gas_2000.csv"), "--steps", "1", "--json", job.json()}}) {
+    Outcome const refused = ricochet(second);
+    EXPECT_EQ(refused.code, 73) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "another run is at work")) << refused.err;
+  }
+  EXPECT_TRUE(first.is_running());
+  // Neither a killed run nor a stopped one leaves the output locked.
+  first.kill();
+  first.wait();
+  Process second(job.resume());
+  std::int64_t const step = job.step();
+  ASSERT_TRUE(eventually(second, [&] { return job.step() > step; }));
+  second.send(SIGTERM);
+  EXPECT_EQ(second.wait().code, 75);
+  for (std::string const& name : folder.names())
+    EXPECT_NE(name[0], '.') << name << " is left over";
+}
+
+TEST(Batch, AReaderThatGoesAwayIsAnErrorAndNotTheEnd)
+{
+  Folder const folder;
+  std::string const pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  int const reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  Job const job = small_job(folder);
+  ProcessOptions options;
+  options.standard_output = pipe;
+  Process run({"run", scene("gas_2000.csv"), scene("gas_2000.config.csv"), "--steps", "300", "-o",
+               job.trajectory(), "--final", "-", "-q"},
+              options);
+  ASSERT_TRUE(eventually(run, [&] { return std::filesystem::exists(job.trajectory()); }));
+  ::close(reader);
+  Outcome const outcome = run.wait();
+  EXPECT_EQ(outcome.code, 74) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "Broken pipe")) << outcome.err;
+  EXPECT_EQ(TrajectoryReader(job.trajectory()).frames(), 301);
+}
+
+TEST(From, AFrameIsAState)
+{
+  Folder const folder;
+  Arguments const gas = small_job(folder).scene;
+  Arguments const thirty{"--steps", "30", "--every", "10"};
+  Job const job{folder, "t", gas + thirty};
+  ASSERT_EQ(ricochet(job.run()).code, 0);
+  auto const from = [&](std::string const& frame, std::string const& steps) {
+    return ricochet(Arguments{"run"} + gas +
+                    Arguments{"--from", job.trajectory() + frame, "--steps", steps});
+  };
+  EXPECT_EQ(from("@1", "20").out, text_of(job.states()));
+  EXPECT_EQ(from("@0", "30").out, text_of(job.states()));
+  EXPECT_EQ(from("", "0").out, text_of(job.states()));
+  for (char const* frame : {"@4", "@-1", "@last", "@"}) {
+    Outcome const refused = from(frame, "1");
+    EXPECT_EQ(refused.code, 64) << frame;
+    EXPECT_TRUE(contains(refused.err, "--from: '" + job.trajectory() + "' has 4 frames"))
+        << refused.err;
+  }
+  auto const onto_itself =
+      Arguments{"run"} + job.scene +
+      Arguments{"--from", job.trajectory() + "@1", "-o", job.trajectory(), "--force"};
+  EXPECT_EQ(ricochet(onto_itself).code, 73);
+  EXPECT_EQ(TrajectoryReader(job.trajectory()).frames(), 4);
+  Job const positions{folder, "p", gas + thirty + Arguments{"--fields", "position"}};
+  ASSERT_EQ(ricochet(positions.run()).code, 0);
+  EXPECT_TRUE(
+      contains(ricochet({"run", scene("gas_2000.csv"), "--from", positions.trajectory()}).err,
+               "has no velocities"));
+}
+
+TEST(Batch, MistakesAreTold)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "20"});
+  struct {
+    int code;
+    Arguments arguments;
+  } const calls[] = {
+      {64, {"--max-walltime", "10", "--checkpoint", folder / "c"}},
+      {64, {"--resume", "auto"}}, // and nothing that names the checkpoint
+      {64, {"--max-walltime", "1:00:00"}},
+      {64, {"--checkpoint-every", "10"}},
+      {64, {"--checkpoint-every", "0", "--checkpoint", folder / "c"}},
+      {66, {"--resume", folder / "none.chk.h5"}},
+      {74, {"--resume", folder.write("no.chk.h5", "no checkpoint")}},
+  };
+  for (auto const& call : calls) {
+    Outcome const outcome = ricochet(Arguments{"run"} + job.scene + call.arguments);
+    EXPECT_EQ(outcome.code, call.code) << call.arguments.front() << ": " << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"no.chk.h5"});
+
+  Arguments const checkpoint{"--checkpoint", folder / "t.chk.h5"};
+  ASSERT_EQ(ricochet(job.run() + checkpoint).code, 0);
+  std::filesystem::remove(job.trajectory());
+  std::filesystem::remove(job.states());
+  std::filesystem::remove(job.json());
+  Outcome const exists = ricochet(job.run() + checkpoint);
+  EXPECT_EQ(exists.code, 73) << "without --resume a checkpoint is an output like others";
+}
+
+} // namespace
+} // namespace ricochet::test
