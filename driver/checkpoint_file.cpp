@@ -176,7 +176,7 @@ void write_checkpoint(std::string const& path, SavedRun const& run)
     if (std::filesystem::exists(path) &&
         std::rename(path.c_str(), previous_checkpoint(path).c_str()) != 0)
       throw std::system_error(errno, std::generic_category());
-    place(temporary, path);
+    put_in_place(temporary, path);
     return;
   } catch (hdf5::Error const& error) {
     reason = error.what();

@@ -107,7 +107,7 @@ void sync_to_disk(std::string const& path)
     throw std::system_error(reason, std::generic_category());
 }
 
-void place(std::string const& temporary, std::string const& path)
+void put_in_place(std::string const& temporary, std::string const& path)
 {
   sync_to_disk(temporary);
   if (std::rename(temporary.c_str(), path.c_str()) != 0)
@@ -166,7 +166,7 @@ void OutputFile::commit()
     return;
   try {
     if (reason == 0)
-      return place(temporary_, path_);
+      return put_in_place(temporary_, path_);
   } catch (std::system_error const& error) {
     reason = error.code().value();
   }

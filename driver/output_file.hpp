@@ -34,7 +34,7 @@ void sync_to_disk(std::string const& path);
 
 /// Renames a complete file so that `path` is the old file or the new one, and whole, even if the
 /// machine stops. Throws std::system_error.
-void place(std::string const& temporary, std::string const& path);
+void put_in_place(std::string const& temporary, std::string const& path);
 
 /// A text result on its way to a file, or to standard output if the path is "-".
 class OutputFile {

@@ -234,7 +234,7 @@ void TrajectoryFile::create()
   file_.reset();
   space_.release();
   forget_journal(header_.path);
-  place(temporary, header_.path); // who still reads an old file keeps it
+  put_in_place(temporary, header_.path); // who still reads an old file keeps it
 }
 
 // Opens the file to go on after the frames that are to be kept.
