@@ -238,8 +238,7 @@ struct Brush {
         double const per_coverage = 1.0 / covered;
         auto const value = static_cast<std::size_t>(
             (static_cast<double>(ink.value[y - ink.top][x]) + 0.5) * per_coverage);
-        auto const light =
-            static_cast<int>((ink.light[y - ink.top][x] + 0.5) * per_coverage * 256);
+        auto const light = static_cast<int>((ink.light[y - ink.top][x] + 0.5) * per_coverage * 256);
         int const dense = static_cast<int>(covered < full ? covered : full);
         std::uint8_t const* const colour = map + 3 * value;
         pixel[0] = mixed(colour[0] * light, behind.red, dense);
