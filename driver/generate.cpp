@@ -2,6 +2,8 @@
 
 #include "config.hpp"
 #include "final_states.hpp"
+#include "kokkos_startup.hpp"
+#include "melt.hpp"
 #include "output_file.hpp"
 #include "overlaps.hpp"
 #include "random.hpp"
@@ -20,8 +22,7 @@ namespace ricochet::driver {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double densest_random = 0.5; // random placement comes to a stop at 0.547
-constexpr double rounding = 1e-12;     // of a diameter, by which discs of a lattice may be too near
+constexpr double rounding = 1e-12; // of a diameter, by which discs of a lattice may be too near
 
 // Streams of random numbers of a seed.
 constexpr std::uint64_t of_positions = 0, of_order = std::uint64_t{1} << 32,
@@ -184,7 +185,8 @@ class Generator {
       return true;
     problems_.add(amount(),
                   fmt::format("{} discs would cover {:.4g} of the box (allowed: up to {}{})",
-                              count_, packing, most, is_random ? " at random places" : ""),
+                              count_, packing, most,
+                              is_random ? " at random places, beyond which discs freeze" : ""),
                   is_random && packing <= densest_packing ? "choose arrangement = \"triangular\""
                                                           : "make the box larger");
     return false;
@@ -193,7 +195,8 @@ class Generator {
   void place()
   {
     auto const count = static_cast<std::size_t>(count_);
-    if (*settings_.arrangement == Arrangement::random) {
+    bool const is_random = *settings_.arrangement == Arrangement::random;
+    if (is_random && !is_to_be_melted(settings_, model_)) {
       // In a small box it is a matter of luck where the first discs leave room for the last.
       constexpr int most_trials = 20;
       Random random(seed_, of_positions);
@@ -209,8 +212,11 @@ class Generator {
                     "choose arrangement = \"triangular\"");
       return;
     }
-    Lattice const best =
-        widest_lattice(model_, count_, *settings_.arrangement == Arrangement::triangular);
+    // The square lattice melts faster, but in a small box it may lack the room.
+    bool const is_triangular = *settings_.arrangement == Arrangement::triangular;
+    Lattice best = widest_lattice(model_, count_, is_triangular);
+    if (is_random && best.nearest < 2 * model_.radius)
+      best = widest_lattice(model_, count_, true);
     if (count_ > 0 && best.nearest < 2 * model_.radius * (1 - rounding)) {
       problems_.add(amount(),
                     fmt::format("{} discs do not fit on a lattice that fills the box (the best has "
@@ -284,7 +290,11 @@ Exit generate(GenerateOptions const& options)
 {
   check_outputs({options.output, options.config}, {options.scene.file, options.scene.config},
                 options.force);
-  Scene const scene = read_scene(options.scene, Purpose::states);
+  Scene scene = read_scene(options.scene, Purpose::states);
+  if (is_to_be_melted(scene.settings, scene.model)) {
+    KokkosSession const kokkos({{}, {}, true});
+    melt(scene);
+  }
   ProblemList problems;
   Overlaps const overlaps = find_overlaps(scene.model, scene.discs);
   if (overlaps.pairs > 0)

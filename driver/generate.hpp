@@ -9,8 +9,9 @@
 
 namespace ricochet::driver {
 
-/// The discs that discs.generate asks for: the same on every machine. Nothing overlaps. What cannot
-/// be had goes to `problems`.
+/// The discs that discs.generate asks for: the same on every machine. Nothing overlaps. Random
+/// places too dense for that are still a lattice, see melt.hpp. What cannot be had goes to
+/// `problems`.
 std::vector<DiscState> generate_discs(Settings const& settings, Model const& model,
                                       ProblemList& problems);
 

@@ -4,6 +4,7 @@
 #include "frame_writer.hpp"
 #include "json_output.hpp"
 #include "log.hpp"
+#include "melt.hpp"
 #include "outlook.hpp"
 #include "output_file.hpp"
 #include "output_lock.hpp"
@@ -133,6 +134,7 @@ Run::Run(RunOptions const& options, Scene scene)
     scene_(std::move(scene)),
     discs_(static_cast<std::int64_t>(scene_.discs.size()))
 {
+  melt(scene_);
   try {
     engine_ = make_engine(scene_.model, scene_.method, scene_.discs);
   } catch (std::invalid_argument const& error) {

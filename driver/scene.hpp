@@ -22,9 +22,9 @@ struct Scene {
   Model model;
   Method method;
   std::int64_t steps = 0;
-  std::int64_t every = 1;        ///< steps from frame to frame
-  std::int64_t measure_from = 0; ///< step at which the measurement of pressure begins
-  std::vector<DiscState> discs;
+  std::int64_t every = 1;         ///< steps from frame to frame
+  std::int64_t measure_from = 0;  ///< step at which the measurement of pressure begins
+  std::vector<DiscState> discs;   ///< perhaps still to be melted, see melt.hpp
   std::vector<std::string> notes; ///< what was done to the discs that was asked for
 };
 

@@ -332,12 +332,16 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"[discs.generate]\npacking_fraction = 0.95\n" SWEEP,
              "s.toml:2:20: discs.generate.packing_fraction: found 0.95 (allowed: a decimal number "
              "> 0 and <= 0.9069)"},
-        Case{"[discs.generate]\npacking_fraction = 0.6\n" SWEEP,
-             "s.toml:2:20: discs.generate.packing_fraction: 11620 discs would cover 0.6 of the box "
-             "(allowed: up to 0.5 at random places) choose arrangement = \"triangular\""},
-        Case{"[discs.generate]\ncount = 15000\n" SWEEP,
-             "s.toml:2:9: discs.generate.count: 15000 discs would cover 0.7745 of the box "
-             "(allowed: up to 0.5 at random places) choose arrangement = \"triangular\""},
+        Case{
+            "[discs.generate]\npacking_fraction = 0.75\n" SWEEP,
+            "s.toml:2:20: discs.generate.packing_fraction: 14526 discs would cover 0.75 of the box "
+            "(allowed: up to 0.7 at random places, beyond which discs freeze) choose arrangement = "
+            "\"triangular\""},
+        Case{
+            "[discs.generate]\ncount = 15000\n" SWEEP,
+            "s.toml:2:9: discs.generate.count: 15000 discs would cover 0.7745 of the box "
+            "(allowed: up to 0.7 at random places, beyond which discs freeze) choose arrangement = "
+            "\"triangular\""},
         Case{"[discs.generate]\ncount = 30000\narrangement = \"triangular\"\n" SWEEP,
              "s.toml:2:9: discs.generate.count: 30000 discs would cover 1.549 of the box (allowed: "
              "up to 0.9069) make the box larger"},
