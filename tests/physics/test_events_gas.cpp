@@ -92,6 +92,42 @@ INSTANTIATE_TEST_SUITE_P(At, EquationOfState,
                                   std::to_string(std::lround(100 * fluid.param.packing));
                          });
 
+/// The virial theorem of a gas in a box: N T Z = F L, where Z is from the collisions of discs, F
+/// the force on a wall and L the way between opposite walls that centres have, a diameter less than
+/// the box. The mean impulse of a disc of Maxwell's velocities on a wall is sqrt(2 pi T), for 200
+/// discs of given energy 1/1600 less. Twenty blocks, whose mean is allowed 4.5 standard errors and
+/// that.
+TEST(GasOfEvents, PressesOnTheWallsOfItsAccessibleArea)
+{
+  for (auto const& fluid :
+       {Fluid{0.1, 1.23615, 0.5329}, Fluid{0.3, 2.0631, 2.3993}, Fluid{0.5, 4.1071, 7.0114}}) {
+    int const blocks = 20;
+    double const count = 200;
+    Scene scene = gas(200, fluid.packing, 0, elastic, walls, walls);
+    scene.dt = 100 / fluid.rate;
+    auto const run = start(scene, way);
+    run->advance(1);
+    double const way_of_centres = scene.model.box.width - 1;
+    double sum = 0, squares = 0;
+    for (int block = 0; block < blocks; ++block) {
+      auto const before = run->report();
+      run->start_measuring();
+      run->advance(1);
+      auto const after = run->report();
+      double const hits = static_cast<double>(after.wall_hits - before.wall_hits);
+      double const force = hits / (4 * scene.dt) * std::sqrt(2 * pi * after.temperature);
+      double const z = force * way_of_centres / (count * after.temperature);
+      double const difference = z / *after.pressure_z - 1;
+      sum += difference;
+      squares += difference * difference;
+    }
+    double const mean = sum / blocks;
+    double const error = std::sqrt((squares / blocks - mean * mean) / (blocks - 1));
+    EXPECT_LT(error, 0.006) << fluid.packing; // a diameter more or less would be 2.6 to 6 %
+    EXPECT_LT(std::fabs(mean), 4.5 * error + 1.0 / 1600) << fluid.packing << ": " << mean;
+  }
+}
+
 /// From discs of one speed: <v^2> is kept, <vx^4>/<vx^2>^2 becomes 3, <v^4>/<v^2>^2 becomes 2. Over
 /// 40 states some collisions apart of 1,000 discs the standard error of the second is sqrt(20 /
 /// 40000) = 0.02, of the first sqrt(96 / 80000) = 0.035; bounds of four of them.
