@@ -1,6 +1,8 @@
-// Throughput of whole steps, beside a check that they were right: the energy ledger must close.
+// Throughput of whole steps, beside a check that they were right: the energy ledger must close, and
+// elastic discs keep their energy.
 
 #include "scenes.hpp"
+#include "support/event_reference.hpp"
 
 #include <ricochet/engine.hpp>
 
@@ -8,6 +10,8 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace {
 
@@ -62,6 +66,117 @@ void sizes(benchmark::internal::Benchmark* benchmark)
       benchmark->Args({count, 20, static_cast<int>(placement)});
   }
 }
+
+constexpr int rounds = 4; ///< of about one collision of each disc
+
+/// An elastic periodic gas, and the time in which each disc collides about once.
+struct Fluid {
+  perf::Gas gas;
+  double round = 0;
+};
+
+Method exact(double dt)
+{
+  Method method;
+  method.engine = EngineKind::events;
+  method.dt = dt;
+  return method;
+}
+
+/// The gas of a benchmark, whose lattice 20 collisions of each disc have melted. Made once.
+Fluid const& fluid(benchmark::State const& state)
+{
+  static std::map<std::pair<std::int64_t, std::int64_t>, Fluid> fluids;
+  auto const [place, is_new] = fluids.try_emplace({state.range(0), state.range(1)});
+  Fluid& fluid = place->second;
+  if (is_new) {
+    double const packing = static_cast<double>(state.range(1)) / 100;
+    fluid.gas = perf::elastic_gas(static_cast<int>(state.range(0)), packing);
+    // Enskog's collision rate with the contact value of Henderson 1975 (doi
+    // 10.1080/00268977500102511): 8 packing / (sqrt(pi) diameter) contact_value thermal_speed.
+    double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
+    double const rate = 8 / std::sqrt(3.14159265358979323846) * packing * contact_value *
+                        fluid.gas.thermal_speed / (2 * fluid.gas.model.radius);
+    fluid.round = 1 / rate;
+    auto const simulation = make_engine(fluid.gas.model, exact(fluid.round), fluid.gas.discs);
+    simulation->advance(20);
+    simulation->states(fluid.gas.discs.data());
+  }
+  return fluid;
+}
+
+void set_collisions(benchmark::State& state, std::int64_t collisions)
+{
+  auto const count = static_cast<double>(collisions);
+  state.counters["collisions"] = benchmark::Counter(count, benchmark::Counter::kIsRate);
+  state.counters["collisions_per_disc"] = 2 * count / static_cast<double>(state.range(0));
+}
+
+/// Arguments: discs, packing fraction in percent, placement.
+void collisions(benchmark::State& state)
+{
+  Fluid const& start = fluid(state);
+  Method method = exact(start.round);
+  method.placement = static_cast<Placement>(state.range(2));
+  auto const simulation = make_engine(start.gas.model, method, start.gas.discs);
+  for ([[maybe_unused]] auto _ : state) {
+    simulation->advance(1);
+    Kokkos::fence();
+  }
+  auto const report = simulation->report();
+  if (!(std::fabs(report.energy.kinetic / report.energy.kinetic_initial - 1) <= 1e-12)) {
+    state.SkipWithError("energy is not conserved");
+    return;
+  }
+  state.SetLabel(simulation->backend() + " x" + std::to_string(simulation->threads()));
+  set_collisions(state, report.collisions);
+}
+
+double kinetic(std::vector<reference::Disc> const& discs)
+{
+  double sum = 0;
+  for (auto const& disc : discs)
+    sum += 0.5 * (disc.vx * disc.vx + disc.vy * disc.vy);
+  return sum;
+}
+
+/// The same gas and time by the serial event-driven program that the tests compare `events` with.
+void collisions_of_reference(benchmark::State& state)
+{
+  Fluid const& start = fluid(state);
+  Model const& model = start.gas.model;
+  reference::Scene scene{model.box.width, model.box.height, model.radius};
+  scene.periodic_x = scene.periodic_y = true;
+  std::vector<reference::Disc> discs;
+  for (auto const& disc : start.gas.discs)
+    discs.push_back({disc.x, disc.y, disc.vx, disc.vy});
+  reference::EventDriven simulation(scene, discs);
+  int round = 0;
+  for ([[maybe_unused]] auto _ : state)
+    simulation.advance(++round * start.round);
+  if (!(std::fabs(kinetic(simulation.states()) / kinetic(discs) - 1) <= 1e-12)) {
+    state.SkipWithError("energy is not conserved");
+    return;
+  }
+  set_collisions(state, simulation.pair_events());
+}
+
+void fluids(benchmark::internal::Benchmark* benchmark, std::vector<Placement> const& placements)
+{
+  benchmark->ArgNames({"discs", "packing_percent", "placement"})->UseRealTime()->Iterations(rounds);
+  for (auto const placement : placements) {
+    for (int const packing : {5, 20, 50, 70})
+      benchmark->Args({100000, packing, static_cast<int>(placement)});
+    benchmark->Args({1000000, 50, static_cast<int>(placement)});
+  }
+}
+
+BENCHMARK(collisions)->Name("collisions/events_double")->Apply([](auto* benchmark) {
+  fluids(benchmark, {Placement::serial, Placement::parallel});
+});
+BENCHMARK(collisions_of_reference)->Name("collisions/reference_double")->Apply([](auto* benchmark) {
+  fluids(benchmark, {Placement::serial});
+});
 
 BENCHMARK_CAPTURE(steps, sweep_double, EngineKind::sweep, Precision::double_)->Apply(sizes);
 BENCHMARK_CAPTURE(steps, sweep_in_order_double, EngineKind::sweep, Precision::double_,

@@ -44,18 +44,27 @@ inline Gas gas(int count, double packing, Contact const& contact, double gravity
     // The sum of three uniform numbers of variance 1/12 is near enough to a Gaussian.
     double sum = -1.5;
     for (int j = 0; j < 3; ++j)
-      sum += uniform(1, static_cast<std::uint64_t>(6 * i + 3 * k + j));
+      sum += uniform(1, 6 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(3 * k + j));
     return 2 * speed * sum;
   };
-  for (int i = 0; i < count; ++i)
-    result.discs.push_back({(i % columns + 0.5) * spacing - side / 2,
-                            (i / columns + 0.5) * spacing - side / 2, component(i, 0),
-                            component(i, 1)});
+  for (int i = 0; i < count; ++i) {
+    int const column = i % columns, row = i / columns;
+    result.discs.push_back({(column + 0.5) * spacing - side / 2, (row + 0.5) * spacing - side / 2,
+                            component(i, 0), component(i, 1)});
+  }
   for (int i = count - 1; i > 0; --i) {
     auto const k = static_cast<int>(uniform(2, static_cast<std::uint64_t>(i)) * (i + 1));
     std::swap(result.discs[static_cast<std::size_t>(i)], result.discs[static_cast<std::size_t>(k)]);
   }
   result.thermal_speed = speed;
+  return result;
+}
+
+/// The same of elastic discs without gravity in a periodic box.
+inline Gas elastic_gas(int count, double packing)
+{
+  Gas result = gas(count, packing, Contact{Law::swap_scale, 1, 1}, 0);
+  result.model.box.x = result.model.box.y = Boundary::periodic;
   return result;
 }
 
