@@ -1,6 +1,7 @@
 #include "pictures/frame_source.hpp"
 
 #include "exit_codes.hpp"
+#include "melt.hpp"
 #include "run.hpp"
 #include "trajectory_reader.hpp"
 
@@ -127,6 +128,7 @@ class SimulatedFrames final : public FrameSource {
 
 SimulatedFrames::SimulatedFrames(Scene scene) : scene_(std::move(scene))
 {
+  melt(scene_);
   stage_ = stage_of(scene_);
 }
 
