@@ -24,7 +24,7 @@ plot $time u 1:2 w l t 'kinetic', '' u 1:3 w l t 'potential', '' u 1:($2+$3) w l
 set title 'energy ledger'
 plot $time u 1:4 w l t 'lost in pairs', '' u 1:5 w l t 'lost at walls', '' u 1:6 w l t 'numerical'
 set title 'temperature'
-plot $time u 1:7 w l notitle
+plot [][0:*] $time u 1:7 w l notitle
 set title 'pressure pV/NT'
 plot $time u 1:8 w l notitle
 set title 'collisions so far'
@@ -36,7 +36,7 @@ set title 'speeds, later half'
 plot $speeds u 1:2 w histeps t 'discs', '' u 1:3 w l t 'Maxwell'
 set xlabel 'y'
 set title 'packing by height, later half'
-plot $heights u 1:2 w histeps notitle
+plot [][0:*] $heights u 1:2 w histeps notitle
 set xlabel 'distance (diameters)'
 set title 'g(r), later half'
 plot $pairs u 1:2 w l notitle

@@ -102,6 +102,24 @@ TEST(Render, ASceneIsSimulatedOnTheWay)
   EXPECT_EQ(text_of(folder / "a.png"), text_of(folder / "b.png"));
 }
 
+TEST(Render, ADenseSceneIsMeltedAsForARun)
+{
+  Folder const folder;
+  auto const dense = folder.write("s.toml", "[box]\nwidth = 90\nheight = 90\n[discs]\nradius = 3\n"
+                                            "[discs.generate]\npacking_fraction = 0.6\n"
+                                            "[run]\nengine = \"events\"\ndt = 0.1\nsteps = 2\n");
+  ASSERT_EQ(ricochet({"run", dense, "-o", folder / "t.h5md", "-q"}).code, 0);
+  for (char const* frame : {"0", "2"}) {
+    for (auto const& [input, output] :
+         {std::pair(folder / "t.h5md", folder / "a.png"), std::pair(dense, folder / "b.png")}) {
+      Outcome const outcome = ricochet({"render", input, "-o", output, "--frame", frame, "--size",
+                                        "300x200", "--top-speed", "3", "--force"});
+      EXPECT_EQ(outcome.code, 0) << outcome.err;
+    }
+    EXPECT_EQ(text_of(folder / "a.png"), text_of(folder / "b.png")) << "frame " << frame;
+  }
+}
+
 TEST(Render, WithoutVelocitiesThereIsOneColour)
 {
   Folder const folder;

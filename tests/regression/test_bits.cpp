@@ -364,7 +364,7 @@ TEST(EngineBits, AreTheSameFromACheckpoint)
 {
   auto const sparse = crowd(300, 0.6, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
   // Takes some of its steps in order, and for how long depends on those before.
-  auto const dense = crowd(500, 0.45, 20, Ids::shuffled, 9.81, scaling, walls, walls, 5);
+  auto const dense = crowd(500, 0.36, 20, Ids::shuffled, 9.81, scaling, walls, walls, 5);
   for (auto const& way : all_ways()) {
     expect_same_from_checkpoint(sparse, way, 26, 15);
     expect_same_from_checkpoint(dense, way, 7, 30);
