@@ -41,8 +41,10 @@ double sum(Table const& table, std::size_t column)
 std::vector<DiscState> lattice(int side)
 {
   std::vector<DiscState> discs;
-  for (int i = 0; i < side * side; ++i)
-    discs.push_back({i % side - (side - 1) / 2.0, i / side - (side - 1) / 2.0, 0, 1.0 + i % 3});
+  double const first = (side - 1) / -2.0;
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column)
+      discs.push_back({first + column, first + row, 0, 1.0 + (row * side + column) % 3});
   return discs;
 }
 
