@@ -318,8 +318,8 @@ class CellGrid {
  public:
   using Ints = Kokkos::View<int*, typename Space::memory_space>;
 
-  /// A grid for `count` discs of `model`, whose cells are wider than a diameter by a quarter at
-  /// least, where the box is.
+  /// A grid for `count` discs of `model`, whose cells are wider than a diameter by three
+  /// eighths at least, where the box is.
   CellGrid(Model const& model, int count)
     : spare_(count),
       unsorted_cell_(uninitialised<Ints>("ricochet::unsorted_cell", count)),
@@ -327,10 +327,11 @@ class CellGrid {
       cell_(uninitialised<Ints>("ricochet::cell_of_slot", count))
   {
     Box const& box = model.box;
-    // A disc a cell where they are sparse: there are fewer cells to go through, and a search, which
-    // reads several discs at once, finds no more to read.
-    double const sparse = std::sqrt(box.width / std::max(count, 1) * box.height);
-    double const side = std::max(2.5 * model.radius, sparse);
+    // Larger cells where discs are sparse, or there would be many empty ones to go through. No
+    // larger than that, for where discs settle three cells in a row would hold more of them than a
+    // search reads at once.
+    double const sparse = std::sqrt(0.3 * box.width / std::max(count, 1) * box.height);
+    double const side = std::max(2.75 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);
     cells_.start = Ints("ricochet::cell_start", static_cast<std::size_t>(cells_.count()) + 1);
