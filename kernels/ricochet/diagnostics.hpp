@@ -50,10 +50,7 @@ Totals totals(Space const& space, Discs<Space, Real> const& discs, Model const& 
   Kokkos::parallel_reduce("ricochet::add_up", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
                           AddUp<Space, Real>{discs, model.gravity, -model.box.height / 2, scales},
                           Merge<Totals, Space>(result));
-  Totals on_host;
-  space.fence();
-  Kokkos::deep_copy(on_host, result);
-  return on_host;
+  return value_after(space, result);
 }
 
 /// A bijection of 64-bit words that spreads every input bit over the whole word.

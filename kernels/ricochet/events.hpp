@@ -154,8 +154,7 @@ class EventDriven : public Engine {
   /// Aims at a number of events that keeps islands small: about 0.1 collisions a disc.
   void choose_next_window(double length)
   {
-    Books happened;
-    Kokkos::deep_copy(happened, part_);
+    Books const happened = value_after(space_, part_);
     auto const events = static_cast<double>(happened.collisions + happened.wall_hits);
     double const aim = std::max(events_per_disc * discs_.count(), 8.0);
     double const factor = events > 0 ? aim / events : 2;
@@ -224,9 +223,7 @@ class EventDriven : public Engine {
 
   typename WindowMemory<Space, Real>::Counts read_counts()
   {
-    typename WindowMemory<Space, Real>::Counts counts;
-    Kokkos::deep_copy(counts, memory_.counts);
-    return counts;
+    return value_after(space_, memory_.counts);
   }
 
   void note_extremes(Extremes const& extremes, double closest)
@@ -331,10 +328,7 @@ typename EventDriven<Space, Real>::Extremes EventDriven<Space, Real>::extremes()
         found.merge(own);
       },
       Merge<Extremes, Space>(extremes_));
-  Extremes found;
-  space_.fence();
-  Kokkos::deep_copy(found, extremes_);
-  return found;
+  return value_after(space_, extremes_);
 }
 
 /// Distance of the closest pair of the present state if it overlaps, else a diameter.
@@ -486,10 +480,7 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
                                 Merge<Outcome<Real>, Space>(outcome_));
       },
       law_);
-  Outcome<Real> outcome;
-  space_.fence();
-  Kokkos::deep_copy(outcome, outcome_);
-  return outcome;
+  return value_after(space_, outcome_);
 }
 
 template <class Space, class Real>

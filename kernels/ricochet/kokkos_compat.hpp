@@ -26,6 +26,16 @@ ViewType uninitialised(std::string const& label, Extents... extents)
   return ViewType(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), extents...);
 }
 
+/// The value in a View of rank 0, for the host, once all that is queued on `space` is done.
+template <class Space, class ViewType>
+typename ViewType::non_const_value_type value_after(Space const& space, ViewType const& view)
+{
+  typename ViewType::non_const_value_type value;
+  space.fence();
+  Kokkos::deep_copy(value, view);
+  return value;
+}
+
 /// Whether work items on `Space` run one after another, so that nothing they share needs atomics.
 #if defined(KOKKOS_ENABLE_SERIAL)
 template <class Space>

@@ -54,14 +54,6 @@ struct PushLog {
   {
   }
 
-  int count_far(Space const& space) const
-  {
-    int count = 0;
-    space.fence();
-    Kokkos::deep_copy(count, far_count);
-    return count;
-  }
-
   KOKKOS_INLINE_FUNCTION Pushes const& operator()(int slot) const { return pushes(slot); }
 
   KOKKOS_INLINE_FUNCTION void add(int slot, int row, double length) const

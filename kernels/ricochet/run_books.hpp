@@ -34,13 +34,7 @@ class RunBooks {
   BooksView<Space> const& view() const { return books_; }
 
   /// What they have entered so far; waits for them.
-  Books entries(Space const& space) const
-  {
-    Books books;
-    space.fence();
-    Kokkos::deep_copy(books, books_);
-    return books;
-  }
+  Books entries(Space const& space) const { return value_after(space, books_); }
 
   void count_step() { ++steps_; }
   std::int64_t steps() const { return steps_; }

@@ -61,7 +61,6 @@ class OrderedPairs {
 
  private:
   using Range = Kokkos::RangePolicy<Space>;
-  using Counts = typename Islands<Space>::Counts;
 
   /// Whether the kernels run on the host, whose threads are fast one by one.
   static constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
@@ -115,14 +114,6 @@ class OrderedPairs {
                         bool everyone);
 
  private:
-  Counts counts(Space const& space) const
-  {
-    Counts counts;
-    space.fence();
-    Kokkos::deep_copy(counts, islands_.counts);
-    return counts;
-  }
-
   Execution execution_;
   Strays<Space> strays_;
   Islands<Space> islands_;
@@ -151,19 +142,20 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
   } else if (by_islands()) {
     int const again = resolve_islands(space, contact);
     done = again != too_much;
+    if (!done)
+      take_all_back(space, state.discs.count());
     bool const paid =
         execution_ != Execution::automatic || again <= state.discs.count() / worthwhile_part;
     pause_ = paid ? 0 : std::min(std::max(2 * pause_, 1), longest_pause);
     steps_to_pause_ = pause_;
   }
   if (!done && by_rounds()) {
-    take_all_back(space, state.discs.count());
     done = resolve_rounds(space, contact);
+    if (!done)
+      take_all_back(space, state.discs.count());
   }
-  if (!done) {
-    take_all_back(space, state.discs.count());
+  if (!done)
     resolve_in_order(space, contact, true);
-  }
   Kokkos::parallel_reduce("ricochet::conclude", all,
                           Conclude<Space, Real, LawType, periodic>{contact, islands_},
                           Merge<Books, Space>(part_));
@@ -182,11 +174,11 @@ int OrderedPairs<Space, Real>::resolve_islands(
   int islands = find_islands(space, state);
   int crowd = 0; // as it was last executed
   int again = 0;
-  Counts found;
+  typename Islands<Space>::Counts found;
   for (int pass = 1; islands > 0 || found.crowd_wrong != 0; ++pass) {
     execute_islands(space, contact, islands);
     bool const crowd_was_wrong = found.crowd_wrong != 0;
-    found = counts(space);
+    found = value_after(space, islands_.counts);
     if (execution_ == Execution::automatic && is_too_much(pass, again, found.crowd, n))
       return too_much;
     int crowd_to_verify = 0;
@@ -197,7 +189,7 @@ int OrderedPairs<Space, Real>::resolve_islands(
     }
     int const verified = verify(space, state, islands, crowd_to_verify, pass == 1);
     again += pass == 1 ? 0 : verified;
-    found = counts(space);
+    found = value_after(space, islands_.counts);
     islands = found.wrong;
     take_back(space, islands);
   }
@@ -222,7 +214,7 @@ int OrderedPairs<Space, Real>::find_islands(Space const& space,
         if (root != node)
           islands.join(root, slot);
       });
-  return counts(space).found;
+  return value_after(space, islands.counts).found;
 }
 
 /// Executes the islands of the list.
@@ -262,7 +254,7 @@ int OrderedPairs<Space, Real>::verify(Space const& space,
   Verify<Space, Real, periodic, UniteIslands<Space>> const verify{
       state, state.neighbours(), islands_.pushes, {islands_}, all};
   auto const all_islands = islands_;
-  int const far = all ? 0 : islands_.pushes.count_far(space);
+  int const far = all ? 0 : value_after(space, islands_.pushes.far_count);
   int in_islands = 0;
   Kokkos::parallel_for(
       "ricochet::forget_wrong_islands", Range(space, 0, 1),

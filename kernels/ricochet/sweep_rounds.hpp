@@ -9,7 +9,6 @@
 #include "ricochet/sweep_islands.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace ricochet {
 
@@ -187,7 +186,6 @@ class Rounds {
 
  private:
   using Range = Kokkos::RangePolicy<Space>;
-  using Counts = typename PairLists<Space>::Counts;
 
   /// Rounds by all threads, an even number; then one team finishes. So many see to 99 % of the
   /// pairs of a gas.
@@ -209,14 +207,6 @@ class Rounds {
                Islands<Space> const& islands, int members);
 
  private:
-  Counts counts(Space const& space) const
-  {
-    Counts counts;
-    space.fence();
-    Kokkos::deep_copy(counts, lists_.counts);
-    return counts;
-  }
-
   PairLists<Space> lists_;
 };
 
@@ -243,7 +233,7 @@ bool Rounds<Space, Real>::resolve(Space const& space,
     list_partners(space, state.discs.id, found);
     int const members = start_members(space, contact, islands, known, found);
     execute(space, contact, islands, members);
-    int const far = pass == 1 ? 0 : islands.pushes.count_far(space);
+    int const far = pass == 1 ? 0 : value_after(space, islands.pushes.far_count);
     known = found;
     found = find_pairs(space, n, known, [&] {
       Verify<Space, Real, periodic, ListPairs<Space>> const verify{
@@ -267,7 +257,8 @@ int Rounds<Space, Real>::find_pairs(Space const& space, int discs, int known, Fi
   for (;;) {
     forget_pairs(space, known);
     find();
-    int const found = counts(space).pairs, room = static_cast<int>(lists_.pairs.extent(0));
+    int const found = value_after(space, lists_.counts).pairs,
+              room = static_cast<int>(lists_.pairs.extent(0));
     if (found <= room)
       return found;
     if (room >= most_pairs * static_cast<std::int64_t>(discs))
@@ -353,7 +344,7 @@ int Rounds<Space, Real>::start_members(
         take_back(slot);
         contact.take(slot);
       });
-  return counts(space).active[0];
+  return value_after(space, lists.counts).active[0];
 }
 
 /// Executes the discs listed.
