@@ -113,6 +113,7 @@ class Run {
   Scene scene_;
   std::unique_ptr<Engine> engine_;
   std::int64_t discs_;
+  std::uint64_t initial_hash_ = 0;
   std::string identity_;
   std::string checkpoint_; ///< where it is kept; empty: nowhere
   std::vector<std::string> warnings_;
@@ -140,10 +141,12 @@ Run::Run(RunOptions const& options, Scene scene)
   } catch (std::invalid_argument const& error) {
     throw Failure(Exit::bad_data, error.what());
   }
-  stage_ = stage_of(scene_);
+  if (options_.watching != Watching::no)
+    stage_ = stage_of(scene_);
   std::vector<DiscState>().swap(scene_.discs); // the engine has its own
   warnings_ = engine_->warnings();
-  identity_ = identity(scene_.settings, engine_->state_hash());
+  initial_hash_ = engine_->state_hash();
+  identity_ = identity(scene_.settings, initial_hash_);
   checkpoint_ = checkpoint_path(options_, scene_.settings);
 }
 
@@ -158,7 +161,7 @@ void Run::log_start()
                                {"host", host_name()},
                                {"backend", engine_->backend()},
                                {"threads", std::int64_t{engine_->threads()}},
-                               {"initial_state", hash_text(engine_->state_hash())},
+                               {"initial_state", hash_text(initial_hash_)},
                                {"engine", std::string(name(scene_.method.engine))},
                                {"discs", discs_},
                                {"steps", scene_.steps},
@@ -276,7 +279,7 @@ void Run::open_trajectory()
   TrajectoryHeader header = this->header();
   header.texts = {{"scene", as_toml(scene_.settings)},
                   {"identity", identity_},
-                  {"initial_state_hash", hash_text(engine_->state_hash())},
+                  {"initial_state_hash", hash_text(initial_hash_)},
                   {"command_line", options_.command_line},
                   {"kokkos_configuration", kokkos_configuration()},
                   {"provenance", provenance_text()}};

@@ -56,13 +56,8 @@ std::vector<DiscState> read_frame(std::string const& states, Origin const& origi
     problems.add(origin, fmt::format("'{}' has no velocities (a run cannot start without)", path));
     return {};
   }
-  auto const count = static_cast<std::size_t>(file.discs());
-  std::vector<double> position(3 * count), velocity(3 * count);
-  file.read("position", frame, 0, file.discs(), position.data());
-  file.read("velocity", frame, 0, file.discs(), velocity.data());
-  std::vector<DiscState> discs(count);
-  for (std::size_t i = 0; i < count; ++i)
-    discs[i] = {position[3 * i], position[3 * i + 1], velocity[3 * i], velocity[3 * i + 1]};
+  std::vector<DiscState> discs;
+  file.read_states(frame, discs);
   return discs;
 }
 

@@ -111,6 +111,25 @@ void TrajectoryReader::read(std::string const& field, std::int64_t frame, std::i
   });
 }
 
+void TrajectoryReader::read_states(std::int64_t frame, std::vector<DiscState>& discs) const
+{
+  auto const count = static_cast<std::size_t>(discs_);
+  discs.assign(count, {});
+  xyz_.resize(3 * count);
+  read("position", frame, 0, discs_, xyz_.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    discs[i].x = xyz_[3 * i];
+    discs[i].y = xyz_[3 * i + 1];
+  }
+  if (!has("velocity"))
+    return;
+  read("velocity", frame, 0, discs_, xyz_.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    discs[i].vx = xyz_[3 * i];
+    discs[i].vy = xyz_[3 * i + 1];
+  }
+}
+
 bool TrajectoryReader::is_single_precision(std::string const& field) const
 {
   auto const which = std::find(fields_.begin(), fields_.end(), field) - fields_.begin();

@@ -3,6 +3,8 @@
 
 #include "hdf5.hpp"
 
+#include "ricochet/model.hpp"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,6 +34,9 @@ class TrajectoryReader {
   void read(std::string const& field, std::int64_t frame, std::int64_t first, std::int64_t count,
             double* xyz) const;
 
+  /// The discs in `frame`, in place of `discs`; without "velocity" in the file they are at rest.
+  void read_states(std::int64_t frame, std::vector<DiscState>& discs) const;
+
   bool is_single_precision(std::string const& field) const;
   bool is_compressed(std::string const& field) const;
   std::vector<std::string> boundary() const;
@@ -57,6 +62,7 @@ class TrajectoryReader {
   std::vector<std::int64_t> steps_;
   std::vector<std::string> fields_;
   std::vector<hdf5::Dataset> values_; ///< by field
+  mutable std::vector<double> xyz_;   ///< of the field read last, kept for its memory
 };
 
 } // namespace ricochet::driver

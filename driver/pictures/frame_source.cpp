@@ -30,7 +30,10 @@ class TrajectoryFrames final : public FrameSource {
   {
     return times_.at(static_cast<std::size_t>(frame));
   }
-  void read(std::int64_t frame, std::vector<DiscState>& discs) override;
+  void read(std::int64_t frame, std::vector<DiscState>& discs) override
+  {
+    file_.read_states(frame, discs);
+  }
 
  private:
   double length(char const* name) const;
@@ -38,7 +41,6 @@ class TrajectoryFrames final : public FrameSource {
 
   TrajectoryReader file_;
   std::vector<double> times_;
-  std::vector<double> position_, velocity_; // x, y, z of each disc
 };
 
 TrajectoryFrames::TrajectoryFrames(std::string const& path) : file_(path), times_(file_.times())
@@ -90,19 +92,6 @@ double TrajectoryFrames::largest_kinetic_energy()
     largest = std::max(largest, sum);
   }
   return largest;
-}
-
-void TrajectoryFrames::read(std::int64_t frame, std::vector<DiscState>& discs)
-{
-  auto const count = static_cast<std::size_t>(stage_.discs);
-  position_.resize(3 * count);
-  velocity_.resize(3 * count);
-  file_.read("position", frame, 0, stage_.discs, position_.data());
-  if (stage_.has_velocities)
-    file_.read("velocity", frame, 0, stage_.discs, velocity_.data());
-  discs.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-    discs[i] = {position_[3 * i], position_[3 * i + 1], velocity_[3 * i], velocity_[3 * i + 1]};
 }
 
 class SimulatedFrames final : public FrameSource {
