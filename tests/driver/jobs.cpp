@@ -5,6 +5,8 @@
 
 #include "exit_codes.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -24,7 +26,7 @@ Arguments operator+(Arguments a, Arguments const& b)
 
 std::string write_gas(Folder const& folder)
 {
-  return folder.write("gas.toml", R"(
+  std::string const scene = fmt::format(R"(
 [discs.generate]
 count = 12000
 temperature = 400
@@ -39,13 +41,15 @@ gravity = 0
 
 [run]
 engine = "sweep"
-steps = 300
+steps = {}
 dt = 0.0078125
 measure_from = 0.5
 
 [output]
-every = 7
-)");
+every = {}
+)",
+                                        gas_steps, gas_every);
+  return folder.write("gas.toml", scene);
 }
 
 Arguments Job::run() const

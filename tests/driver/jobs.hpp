@@ -18,8 +18,10 @@ Arguments operator+(Arguments a, Arguments const& b);
 
 bool contains(std::string const& text, std::string const& part);
 
-/// Writes a scene of 12,000 discs, so that two threads are used where there are two.
+/// Writes a scene of 12,000 discs, so that two threads are used where there are two; and of so many
+/// steps that a signal sent early on comes before the end, however fast the machine.
 std::string write_gas(Folder const& folder);
+constexpr std::int64_t gas_steps = 1000, gas_every = 25;
 
 /// A run of `scene` and the files that it writes.
 struct Job {

@@ -50,6 +50,7 @@ struct Job {
   explicit Job(Kind const& what) : kind(what) {}
 
   std::string trajectory() const { return folder / "t.h5md"; }
+  bool is_writing_checkpoint() const { return fs::exists(folder / ".t.chk.h5.tmp"); }
   std::vector<std::string> arguments() const
   {
     return {"run",
@@ -156,12 +157,21 @@ void Campaign::look(Job const& job, std::int64_t seen)
     return;
   }
   in_trajectory_ += is_amid_write(job.trajectory());
-  in_checkpoint_ += fs::exists(job.folder / ".t.chk.h5.tmp");
+  in_checkpoint_ += job.is_writing_checkpoint();
   auto const there = fingerprints(job.trajectory());
   auto const& whole = whole_[job.kind.name];
   require(static_cast<std::int64_t>(there.size()) >= seen, "a flushed frame is lost");
   require(there.size() <= whole.size(), "there are too many frames");
   require(std::equal(there.begin(), there.end(), whole.begin()), "a frame is torn");
+}
+
+// Waits until a checkpoint is being written, or does not come. Where disks are fast, random moments
+// hardly ever hit one.
+void await_checkpoint(Job const& job, Process& process)
+{
+  for (int tries = 0; tries < 20000 && process.is_running() && !job.is_writing_checkpoint();
+       ++tries)
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
 }
 
 // Kills a job over and over until it ends all the same.
@@ -178,6 +188,8 @@ void Campaign::run_job(Kind const& kind)
     Process process(job.arguments());
     std::this_thread::sleep_for(
         std::chrono::microseconds(std::uniform_int_distribution<int>(50000, 700000)(random_)));
+    if (killed_ % 2 == 1)
+      await_checkpoint(job, process);
     // A frame that a checkpoint counts was flushed.
     std::int64_t const seen = job.checkpointed_frames();
     process.kill();
