@@ -24,7 +24,7 @@ struct CellAxis {
   bool periodic = false;
 
   /// Cell of a coordinate.
-  KOKKOS_INLINE_FUNCTION int at(double position) const
+  KOKKOS_FORCEINLINE_FUNCTION int at(double position) const
   {
     return clamped((position - low) * per_length);
   }
@@ -77,7 +77,7 @@ struct CellAxis {
 
  private:
   /// No number is cast that does not fit, whatever it is.
-  KOKKOS_INLINE_FUNCTION int clamped(double u) const
+  KOKKOS_FORCEINLINE_FUNCTION int clamped(double u) const
   {
     double const last = count - 1;
     double const from_0 = u > 0 ? u : 0;
@@ -107,7 +107,7 @@ struct Cells {
   int count() const { return stride() * (y.count + 2) + 1; }
 
   template <class Real>
-  KOKKOS_INLINE_FUNCTION int at(Vec2<Real> p) const
+  KOKKOS_FORCEINLINE_FUNCTION int at(Vec2<Real> p) const
   {
     return index(y.at(static_cast<double>(p.y)), x.at(static_cast<double>(p.x)));
   }
