@@ -14,13 +14,12 @@
 
 namespace ricochet::driver {
 
-namespace {
-
-// Twice the root mean square: in a gas one disc in fifty is faster.
 double fast_speed(double kinetic, std::int64_t discs)
 {
   return discs > 0 ? 2 * std::sqrt(2 * kinetic / static_cast<double>(discs)) : 0;
 }
+
+namespace {
 
 class TrajectoryFrames final : public FrameSource {
  public:

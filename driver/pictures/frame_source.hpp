@@ -28,6 +28,10 @@ class FrameSource {
   Stage stage_;
 };
 
+/// About the speed of the fastest of `discs` discs that have this kinetic energy: twice the root
+/// mean square; in a gas one disc in fifty is faster.
+double fast_speed(double kinetic, std::int64_t discs);
+
 /// What is to be seen of a scene.
 Stage stage_of(Scene const& scene);
 

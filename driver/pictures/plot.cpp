@@ -22,7 +22,10 @@ set xlabel 'time'
 set title 'energy'
 plot $time u 1:2 w l t 'kinetic', '' u 1:3 w l t 'potential', '' u 1:($2+$3) w l lc 'black' t 'sum'
 set title 'energy ledger'
+set key center right
 plot $time u 1:4 w l t 'lost in pairs', '' u 1:5 w l t 'lost at walls', '' u 1:6 w l t 'numerical'
+set key default
+set key noautotitle
 set title 'temperature'
 plot [][0:*] $time u 1:7 w l notitle
 set title 'pressure pV/NT'
@@ -49,16 +52,20 @@ std::vector<Table> tables_of(std::string const& path)
   SceneOptions input;
   input.file = path;
   auto const source = open_frames(input, Purpose::run);
-  Statistics statistics(source->stage());
   std::int64_t const frames = source->frames(), first = frames / 2;
+  TrajectoryReader const file(path);
+  Stage stage = source->stage();
+  auto const kinetic = file.observable("kinetic");
+  if (static_cast<std::int64_t>(kinetic.size()) == frames) // the first half may have been faster
+    stage.fast = fast_speed(*std::max_element(kinetic.begin() + first, kinetic.end()), stage.discs);
+  Statistics statistics(stage);
   std::int64_t const every = std::max<std::int64_t>(1, (frames - first) / 100);
   std::vector<DiscState> discs;
   for (std::int64_t frame = frames - 1; frame >= first; frame -= every) {
     source->read(frame, discs);
     statistics.add(discs);
   }
-  return {observables_table(TrajectoryReader(path)), statistics.speeds(), statistics.heights(),
-          statistics.pairs()};
+  return {observables_table(file), statistics.speeds(), statistics.heights(), statistics.pairs()};
 }
 
 // OUT_time.csv for OUT.csv.

@@ -132,6 +132,20 @@ TEST(Plot, TheTableOfTimesHoldsTheObservables)
       EXPECT_EQ(table.rows[frame][c], file.observable(table.columns[c])[frame]) << table.columns[c];
 }
 
+TEST(Plot, TheScaleOfSpeedsIsThatOfTheFramesCounted)
+{
+  // A disc loses nearly all its speed at the first wall.
+  Folder const folder;
+  auto const fast = folder.write("fast.csv", "0,0,1000,0\n");
+  auto const box = folder.write("box.csv", "g=0,alpha=0.01,beta=1,width=100,height=100");
+  ASSERT_EQ(ricochet({"run", fast, box, "--steps", "20", "-q", "-o", folder / "t.h5md"}).code, 0);
+  EXPECT_EQ(ricochet({"plot", folder / "t.h5md", "--csv", folder / "p.csv"}).code, 0);
+  std::string const speeds = test::text_of(folder / "p_speeds.csv");
+  double const last = std::stod(speeds.substr(speeds.rfind('\n', speeds.size() - 2)));
+  EXPECT_GT(last, 10);
+  EXPECT_LT(last, 100);
+}
+
 TEST(Plot, WithoutGnuplotTheNumbersAreWritten)
 {
   Folder const folder;
