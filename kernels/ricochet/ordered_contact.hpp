@@ -12,9 +12,8 @@ namespace ricochet {
 struct Tally {
   double virial = 0;  ///< of the contacts in which it was the second disc
   double deepest = 0; ///< overlap of those [diameters]
-  int contacts = 0;   ///< in either role
-  int received = 0;   ///< as the second disc
-  int separating = 0; ///< of those, without approach
+  int received = 0;   ///< how many those were
+  int separating = 0; ///< and without approach
 };
 
 /// When, and how far, a disc was pushed in a pair step.
@@ -108,12 +107,10 @@ struct OrderedContact {
     discs.set_velocity(j, after.second);
     discs.set_position(j, state.domain.wrapped(from + push * normal));
 
-    ++tally(i).contacts;
     Tally& second = tally(j);
     double const depth = overlap(distance, state.diameter);
     second.virial += virial_of(before, after, separation);
     second.deepest = depth > second.deepest ? depth : second.deepest;
-    ++second.contacts;
     ++second.received;
     second.separating += dot(before.second - before.first, normal) >= 0 ? 1 : 0;
     return push;

@@ -354,19 +354,17 @@ struct Conclude {
       return;
     contact.takes_part(slot) = 0;
     islands.reset(slot);
-    Tally const own = contact.tally(slot);
-    if (own.contacts == 0)
-      return;
-    contact.tally(slot) = Tally{};
     auto const& state = contact.state;
-    auto const velocity = state.spare.velocity(slot);
+    auto const before = state.discs.velocity(slot), velocity = state.spare.velocity(slot);
     // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
     // over its pushes.
-    books.lost_pairs.add(kinetic_energy(state.discs.velocity(slot)) - kinetic_energy(velocity),
-                         state.scales.energy);
+    if (velocity.x != before.x || velocity.y != before.y)
+      books.lost_pairs.add(kinetic_energy(before) - kinetic_energy(velocity), state.scales.energy);
     state.discs.set_velocity(slot, velocity);
+    Tally const own = contact.tally(slot);
     if (own.received == 0)
       return;
+    contact.tally(slot) = Tally{};
     auto const position = state.spare.position(slot);
     double const rise = static_cast<double>(position.y) - static_cast<double>(state.discs.y(slot));
     books.numerical.add(state.gravity * rise, state.scales.energy);
