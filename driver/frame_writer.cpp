@@ -104,7 +104,6 @@ void FrameWriter::work()
 {
   std::unique_lock lock(mutex_);
   try {
-    hdf5::initialise();
     while (!closed_ || !queue_.empty()) {
       std::size_t const room = room_in_block();
       changed_.wait_for(lock, longest_wait, [&] {

@@ -162,12 +162,19 @@ TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
   }
 }
 
-TrajectoryFile::~TrajectoryFile() = default;
+TrajectoryFile::~TrajectoryFile()
+{
+  hdf5::Turn const turn;
+  for (Dataset* dataset : series())
+    *dataset = Dataset();
+  file_ = hdf5::File();
+}
 
 // Runs `work`; if the file cannot be written, lets go of it and reports a Failure.
 template <class Work>
 void TrajectoryFile::guarded(Work const& work)
 {
+  hdf5::Turn const turn;
   std::string reason;
   try {
     return work();
@@ -212,7 +219,6 @@ void TrajectoryFile::create()
 {
   if (!header_.replace && std::filesystem::exists(header_.path))
     throw std::system_error(EEXIST, std::generic_category());
-  hdf5::initialise();
   std::string const temporary = hidden_beside(header_.path, "tmp");
   file_ = hdf5::File(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_properties()));
   space_ = DiskSpace(temporary);
@@ -240,7 +246,6 @@ void TrajectoryFile::create()
 // Opens the file to go on after the frames that are to be kept.
 void TrajectoryFile::open()
 {
-  hdf5::initialise();
   Properties const access = access_properties();
   set_journaled(access);
   file_ = hdf5::File(H5Fopen(header_.path.c_str(), H5F_ACC_RDWR, access));
