@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 #include "compare.hpp"
 #include "cpu_check.hpp"
+#include "ensemble.hpp"
 #include "exit_codes.hpp"
 #include "generate.hpp"
 #include "info.hpp"
@@ -27,6 +28,7 @@ struct Execute {
   Exit operator()(InfoOptions const& options) const { return info(options); }
   Exit operator()(CompareOptions const& options) const { return compare(options); }
   Exit operator()(RenderOptions const& options) const { return render(options); }
+  Exit operator()(EnsembleOptions const& options) const { return ensemble(options); }
   Exit operator()(PlotOptions const& options) const { return plot(options); }
   Exit operator()(KokkosHelp) const
   {

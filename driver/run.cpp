@@ -1,24 +1,15 @@
 #include "run.hpp"
 
 #include "final_states.hpp"
-#include "frame_writer.hpp"
 #include "json_output.hpp"
 #include "log.hpp"
 #include "melt.hpp"
-#include "outlook.hpp"
 #include "output_file.hpp"
-#include "output_lock.hpp"
 #include "pictures/frame_source.hpp"
-#include "pictures/viewer.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
-#include "resume.hpp"
-#include "scene.hpp"
 #include "states_h5md.hpp"
-#include "stop_request.hpp"
-#include "summary.hpp"
 #include "text.hpp"
-#include "trajectory_file.hpp"
 
 #include <fmt/format.h>
 
@@ -77,58 +68,7 @@ double timed(Work const& work)
   return spent.count();
 }
 
-// A run in progress.
-class Run {
- public:
-  Run(RunOptions const& options, Scene scene);
-  void go();
-
-  /// Takes steps for about a second and tells what all of them would take.
-  Forecast forecast();
-
- private:
-  TrajectoryHeader header() const;
-  std::int64_t end_of_phase(std::int64_t step) const;
-  double timed_steps(std::int64_t step, std::int64_t until);
-  Report report();
-  void go_on_from(SavedRun const& saved);
-  void write_recorded(SavedRun const& saved);
-  void log_start();
-  void tell_result(Summary const& result) const;
-  void open_trajectory();
-  void open_window();
-  void watch(std::int64_t step);
-  void step_to_the_end(StopRequests& stops);
-  void save(Summary const* result);
-  [[noreturn]] void stop(std::string const& why, int signal);
-  void write_frame(Report const& report);
-  void close_trajectory();
-  void check_state(Report const& report);
-  void fetch_states();
-  void write_results();
-  std::string final_file() const;
-  Summary summary();
-
-  RunOptions const& options_;
-  Scene scene_;
-  std::unique_ptr<Engine> engine_;
-  std::int64_t discs_;
-  std::uint64_t initial_hash_ = 0;
-  std::string identity_;
-  std::string checkpoint_; ///< where it is kept; empty: nowhere
-  std::vector<std::string> warnings_;
-  std::unique_ptr<TrajectoryFile> trajectory_;
-  std::unique_ptr<FrameWriter> writer_;
-  Stage stage_;                    ///< for the window
-  std::unique_ptr<LiveView> live_; ///< if the run is watched
-  std::int64_t step_ = 0;          ///< taken so far
-  std::int64_t frames_ = 0;        ///< of the trajectory, as of the last checkpoint
-  double wall_seconds_ = 0;
-  double checkpoint_seconds_ = 0; ///< that the last one took
-  std::vector<DiscState> states_; ///< at the end, if anyone asks
-  std::string broken_;            ///< why the state is no longer one; empty while it is
-  std::vector<std::string> outputs_;
-};
+} // namespace
 
 Run::Run(RunOptions const& options, Scene scene)
   : options_(options),
@@ -151,7 +91,7 @@ Run::Run(RunOptions const& options, Scene scene)
 }
 
 // What a log should know before the run begins.
-void Run::log_start()
+void Run::log_start() const
 {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -189,20 +129,21 @@ void Run::tell_result(Summary const& result) const
                        {"outputs", joined(result.outputs)}});
 }
 
-void Run::go()
+void Run::introduce() const
 {
-  auto const style = Progress::style_for(options_.kokkos.quiet);
-  if (style == Progress::Style::lines)
+  if (Progress::style_for(options_.kokkos.quiet) == Progress::Style::lines)
     log_start();
   for (std::string const& note : scene_.notes)
     tell(LogLevel::info, note);
   for (std::string const& warning : warnings_)
     tell(LogLevel::warning, warning);
+}
+
+void Run::go(StopRequests& stops)
+{
   auto const saved = find_saved(options_, scene_.settings, identity_);
   if (saved && !saved->summary.empty())
     return write_recorded(*saved);
-  std::string const folder = std::filesystem::path(checkpoint_).parent_path().string();
-  StopRequests stops(options_.walltime, folder.empty() ? "STOP" : folder + "/STOP");
   if (saved)
     go_on_from(*saved);
   if (scene_.settings.file)
@@ -241,13 +182,14 @@ void Run::write_recorded(SavedRun const& saved)
   auto const is_missing = [](std::string const& path) {
     return !std::filesystem::is_regular_file(path);
   };
-  std::vector<std::string> outputs;
-  if (is_missing(final_file()))
-    write_output(final_file(), options_.force, outputs,
+  auto& outputs = result_.outputs;
+  if (is_missing(options_.final_file))
+    write_output(options_.final_file, options_.force, outputs,
                  [&](OutputFile& file) { write_states(file, saved.engine.discs); });
   if (is_missing(options_.json))
     write_output(options_.json, options_.force, outputs,
                  [&](OutputFile& file) { file.write(saved.summary_json); });
+  result_.json = saved.summary_json;
   if (!options_.kokkos.quiet)
     tell(LogLevel::info, "finished before:\n" + saved.summary);
 }
@@ -423,8 +365,9 @@ void Run::step_to_the_end(StopRequests& stops)
       progress.clear();
       stop(why, stops.signal());
     }
-    bool const asked = stops.wants_checkpoint();
+    bool const asked = stops.checkpoints_asked() != checkpoints_asked_;
     if (!checkpoint_.empty() && (asked || Clock::now() - saved >= checkpoint_interval)) {
+      checkpoints_asked_ = stops.checkpoints_asked();
       save(nullptr);
       saved = Clock::now();
     }
@@ -452,8 +395,8 @@ void Run::close_trajectory()
   trajectory_.reset();
   std::error_code ignored;
   auto const bytes = std::filesystem::file_size(*scene_.settings.file, ignored);
-  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames_,
-                                 static_cast<double>(bytes) / 1e6));
+  result_.outputs.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames_,
+                                        static_cast<double>(bytes) / 1e6));
 }
 
 // A speed may be so large that its square is infinite; only the state itself tells.
@@ -493,14 +436,6 @@ Summary Run::summary()
   return s;
 }
 
-// Where the final states go; standard output if nothing else is written.
-std::string Run::final_file() const
-{
-  bool const to_nowhere =
-      !scene_.settings.file && options_.final_file.empty() && options_.json.empty();
-  return to_nowhere ? "-" : options_.final_file;
-}
-
 void Run::write_results()
 {
   Summary result = summary();
@@ -510,14 +445,15 @@ void Run::write_results()
     save(&result);
 
   bool const replace = options_.force || !options_.resume.empty();
+  result_.json = as_json(result);
   if (broken_.empty())
-    write_output(final_file(), replace, outputs_, [&](OutputFile& file) {
+    write_output(options_.final_file, replace, result_.outputs, [&](OutputFile& file) {
       fetch_states();
       write_states(file, states_);
     });
-  write_output(options_.json, replace, outputs_,
-               [&](OutputFile& file) { file.write(as_json(result)); });
-  result.outputs = outputs_;
+  write_output(options_.json, replace, result_.outputs,
+               [&](OutputFile& file) { file.write(result_.json); });
+  result.outputs = result_.outputs;
   tell_result(result);
 }
 
@@ -571,8 +507,6 @@ Forecast Run::forecast()
   return forecast;
 }
 
-} // namespace
-
 std::int64_t planned_frames(std::int64_t steps, std::int64_t every)
 {
   return 1 + steps / every + (steps % every != 0);
@@ -587,8 +521,39 @@ bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t eve
   return bytes > small_file && every >= steps_that_hide_it;
 }
 
-Exit run(RunOptions const& options)
+std::vector<std::string> outputs_of(RunOptions const& options, Settings const& settings)
 {
+  return {settings.file.value_or(""), options.final_file, options.json,
+          checkpoint_path(options, settings)};
+}
+
+void check_run(RunOptions const& options, Settings const& settings)
+{
+  check_frame_options(options, settings);
+  check_outputs(
+      outputs_of(options, settings),
+      {options.scene.file, options.scene.config, file_of_states(settings.states.value_or(""))},
+      options.force || !options.resume.empty());
+}
+
+std::vector<OutputLock> lock_outputs(std::vector<std::string> const& outputs)
+{
+  std::vector<OutputLock> locks;
+  for (std::string const& output : outputs)
+    if (is_file_output(output))
+      locks.emplace_back(output);
+  return locks;
+}
+
+std::string stop_file(RunOptions const& options, Settings const& settings)
+{
+  std::filesystem::path const checkpoint = checkpoint_path(options, settings);
+  return (checkpoint.parent_path() / "STOP").string();
+}
+
+Exit run(RunOptions const& given)
+{
+  RunOptions options = given;
   set_log_format(options.log_format);
   Scene scene = read_scene(options.scene);
   if (options.print_scene) {
@@ -601,14 +566,9 @@ Exit run(RunOptions const& options)
     out.commit();
     return Exit::done;
   }
-  check_frame_options(options, scene.settings);
-  std::string const checkpoint = checkpoint_path(options, scene.settings);
-  std::vector<std::string> const outputs{scene.settings.file.value_or(""), options.final_file,
-                                         options.json, checkpoint};
-  check_outputs(outputs,
-                {options.scene.file, options.scene.config,
-                 file_of_states(scene.settings.states.value_or(""))},
-                options.force || !options.resume.empty());
+  if (!scene.settings.file && options.final_file.empty() && options.json.empty())
+    options.final_file = "-"; // nothing else would be written
+  check_run(options, scene.settings);
   if (options.dry_run) {
     Outlook const expected = outlook(scene);
     std::string text = in_words(scene, expected);
@@ -621,12 +581,12 @@ Exit run(RunOptions const& options)
     out.commit();
     return Exit::done;
   }
-  std::vector<OutputLock> locks;
-  for (std::string const& output : outputs)
-    if (is_file_output(output))
-      locks.emplace_back(output);
+  auto const locks = lock_outputs(outputs_of(options, scene.settings));
+  StopRequests stops(options.walltime, stop_file(options, scene.settings));
   KokkosSession const kokkos(options.kokkos);
-  Run(options, std::move(scene)).go();
+  Run run(options, std::move(scene));
+  run.introduce();
+  run.go(stops);
   return Exit::done;
 }
 
