@@ -31,6 +31,7 @@ struct RunOptions {
   Watching watching = Watching::no;
   KokkosOptions kokkos;     ///< with --quiet and --threads
   std::string command_line; ///< as it was given, in a form that a shell takes back
+  int at_once = 1;          ///< runs that take turns at writing files
 };
 
 /// ricochet ensemble SCENE

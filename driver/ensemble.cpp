@@ -193,6 +193,7 @@ void Ensemble::run_member(std::size_t k, Placement placement, StopRequests& stop
 
 void Ensemble::simulate(Member& member, Placement placement, StopRequests& stops)
 {
+  member.options.at_once = at_once_;
   Scene scene = read_scene(member.options.scene);
   auto const outputs = outputs_of(member.options, scene.settings);
   bool const can_go_on = !outputs.back().empty();

@@ -1,5 +1,6 @@
 #include "run.hpp"
 
+#include "compression.hpp"
 #include "final_states.hpp"
 #include "json_output.hpp"
 #include "log.hpp"
@@ -194,7 +195,7 @@ void Run::write_recorded(SavedRun const& saved)
     tell(LogLevel::info, "finished before:\n" + saved.summary);
 }
 
-TrajectoryHeader Run::header() const
+TrajectoryHeader Run::header()
 {
   Settings const& settings = scene_.settings;
   TrajectoryHeader header;
@@ -209,11 +210,37 @@ TrajectoryHeader Run::header() const
   header.frames = planned_frames(scene_.steps, scene_.every);
   header.velocity = *settings.velocity;
   header.float32 = *settings.float32;
-  header.deflate = *settings.compression == Compression::deflate ||
-                   (*settings.compression == Compression::automatic &&
-                    worth_compressing(discs_, header.frames, scene_.every));
   header.version = version();
+  header.deflate = *settings.compression == Compression::deflate ||
+                   (*settings.compression == Compression::automatic && frames_ == 0 &&
+                    has_time_to_deflate(header));
   return header;
+}
+
+// Measures with steps that are taken back: the file must be there before the run's own begin.
+bool Run::has_time_to_deflate(TrajectoryHeader const& header)
+{
+  if (!is_large(header))
+    return false;
+  Checkpoint const now = engine_->checkpoint();
+  double const deflating = seconds_to_deflate(header, now.discs) * options_.at_once;
+  constexpr double sample = 0.05; // seconds
+  double spent = 0, all = 0;
+  std::int64_t batch = 1;
+  try {
+    for (; all < sample; batch *= 2) {
+      spent = timed([&] {
+        engine_->advance(batch);
+        fence();
+      });
+      all += spent;
+    }
+  } catch (LastingContact const&) {
+    // The run itself will tell where it comes to that.
+  }
+  engine_->restore(now);
+  double const a_step = 2 * spent / static_cast<double>(batch);
+  return keeps_up(deflating, a_step * static_cast<double>(header.every));
 }
 
 void Run::open_trajectory()
@@ -510,15 +537,6 @@ Forecast Run::forecast()
 std::int64_t planned_frames(std::int64_t steps, std::int64_t every)
 {
   return 1 + steps / every + (steps % every != 0);
-}
-
-bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t every)
-{
-  constexpr double small_file = 16e6; // bytes; whatever they hold is not worth the trouble
-  constexpr std::int64_t steps_that_hide_it = 100;
-  double const bytes =
-      static_cast<double>(discs) * static_cast<double>(frames) * sizeof(double) * 6;
-  return bytes > small_file && every >= steps_that_hide_it;
 }
 
 std::vector<std::string> outputs_of(RunOptions const& options, Settings const& settings)

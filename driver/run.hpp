@@ -66,7 +66,8 @@ class Run {
   Forecast forecast();
 
  private:
-  TrajectoryHeader header() const;
+  TrajectoryHeader header();
+  bool has_time_to_deflate(TrajectoryHeader const& header);
   std::int64_t end_of_phase(std::int64_t step) const;
   double timed_steps(std::int64_t step, std::int64_t until);
   Report report();
@@ -111,9 +112,5 @@ class Run {
 
 /// Frames of a run: steps 0, every, 2 every... and the last.
 std::int64_t planned_frames(std::int64_t steps, std::int64_t every);
-
-/// Whether a trajectory is compressed that leaves this to the program: only if compression, which
-/// costs about as much as ten steps a frame on one core, hides behind the stepping.
-bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t every);
 
 } // namespace ricochet::driver

@@ -266,6 +266,45 @@ TEST(Batch, AJobGoesOnWhenThereIsRoomAgain)
   EXPECT_GT(went_on, 1);
 }
 
+// Steps are taken to know how long they take; the run must not know of them.
+TEST(Compression, ThatIsLeftToTheProgramChangesNothingButTheFile)
+{
+  Folder const folder;
+  for (std::string const engine : {"sweep", "events"}) {
+    Arguments const gas{write_gas(folder), "-q", "--engine", engine};
+    Job const automatic{folder, "auto_" + engine, gas};
+    Job const none{folder, "none_" + engine, gas + Arguments{"--compress", "none"}};
+    ASSERT_EQ(ricochet(automatic.run()).code, 0);
+    ASSERT_EQ(ricochet(none.run()).code, 0);
+    ASSERT_GT(std::filesystem::file_size(none.trajectory()), 16e6) << "or nothing is measured";
+    expect_equal_results(automatic, none);
+  }
+}
+
+TEST(Compression, IsDoneWhereItsTimeIsNothingBesideThatOfTheSteps)
+{
+  Folder const folder;
+  Arguments const gas{scene("gas_2000.csv"), scene("gas_2000.config.csv"), "-q", "--steps",
+                      "1000000000"};
+  struct {
+    std::string every;
+    bool compressed;
+  } const cases[] = {{"1", false}, {"1000000", true}}; // a frame takes about a hundred steps
+  for (auto const& at : cases) {
+    Job const job{folder, "t" + at.every, gas + Arguments{"--every", at.every}};
+    for (int parts = 0; parts < 2; ++parts) { // a run that goes on keeps the filter of its file
+      std::int64_t const before = job.step();
+      Process run(job.resume());
+      ASSERT_TRUE(eventually(run, [&] { return job.step() > before; }));
+      run.send(SIGTERM);
+      ASSERT_EQ(run.wait().code, 75);
+      TrajectoryReader const file(job.trajectory());
+      EXPECT_EQ(file.is_compressed("position"), at.compressed) << at.every;
+      EXPECT_EQ(file.is_compressed("velocity"), at.compressed) << at.every;
+    }
+  }
+}
+
 TEST(Batch, TwoJobsOnOneOutputAreRefused)
 {
   Folder const folder;
