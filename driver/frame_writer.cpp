@@ -1,5 +1,7 @@
 #include "frame_writer.hpp"
 
+#include "kokkos_startup.hpp"
+
 #include <algorithm>
 #include <chrono>
 
@@ -102,6 +104,7 @@ void FrameWriter::finish()
 
 void FrameWriter::work()
 {
+  share_processors();
   std::unique_lock lock(mutex_);
   try {
     while (!closed_ || !queue_.empty()) {

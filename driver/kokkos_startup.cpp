@@ -4,8 +4,13 @@
 
 #include <Kokkos_Core.hpp>
 
+#if defined(KOKKOS_ENABLE_OPENMP)
+#include <omp.h>
+#endif
+
 #include <cstdlib>
 #include <iostream>
+#include <sched.h>
 #include <sstream>
 #include <type_traits>
 #include <unistd.h>
@@ -189,6 +194,22 @@ void on_host_threads(int count, std::function<void(int)> const& work)
 #endif
   for (int i = 0; i < count; ++i)
     work(i);
+}
+
+void share_processors()
+{
+#if defined(KOKKOS_ENABLE_OPENMP) && defined(__linux__)
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int place = 0; place < omp_get_num_places(); ++place) { // none if threads are not bound
+    std::vector<int> processors(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, processors.data());
+    for (int const processor : processors)
+      CPU_SET(processor, &all);
+  }
+  if (CPU_COUNT(&all) > 0)
+    ::sched_setaffinity(0, sizeof all, &all); // without it, all goes on as it is
+#endif
 }
 
 std::string kokkos_version()

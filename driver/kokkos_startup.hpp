@@ -42,6 +42,10 @@ int host_threads();
 /// Calls work(0)...work(count - 1) on host_threads() threads, in any order. `work` may not throw.
 void on_host_threads(int count, std::function<void(int)> const& work);
 
+/// Lets the calling thread run on all processors that OpenMP has. A thread inherits the binding of
+/// the one that made it, and would have to share that one's processor.
+void share_processors();
+
 /// Version such as "3.4.1"; needs no session.
 std::string kokkos_version();
 
