@@ -187,6 +187,17 @@ void write_checkpoint(std::string const& path, SavedRun const& run)
   throw Failure(Exit::io_error, fmt::format("cannot write checkpoint '{}': {}", path, reason));
 }
 
+bool is_checkpoint(std::string const& path)
+{
+  hdf5::Turn const turn;
+  try {
+    hdf5::File const file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    return hdf5::check(H5Aexists(file, "checksum")) > 0;
+  } catch (hdf5::Error const&) {
+    return false;
+  }
+}
+
 SavedRun read_checkpoint(std::string const& path)
 {
   std::error_code error;

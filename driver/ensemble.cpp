@@ -150,6 +150,13 @@ Exit Ensemble::go()
     run_all(stops);
   }
   write_tables();
+  if (!options_.run.kokkos.quiet)
+    log_event("result", {{"members", static_cast<std::int64_t>(members_.size())},
+                         {"finished", std::count_if(members_.begin(), members_.end(),
+                                                    [](Member const& member) {
+                                                      return member.code == Exit::done;
+                                                    })},
+                         {"wall_seconds", seconds_}});
   return code();
 }
 

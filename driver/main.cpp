@@ -79,7 +79,6 @@ int main(int argc, char** argv)
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow further is an error like a full disk
   std::signal(SIGPIPE, SIG_IGN); // and so is a reader that went away
   int const code = run_command({argv + 1, argv + argc});
-  if (log_format() == LogFormat::json)
-    log_event("end", {{"code", std::int64_t{code}}});
+  log_end(code);
   return code;
 }

@@ -116,10 +116,10 @@ void Run::tell_result(Summary const& result) const
 {
   if (options_.kokkos.quiet)
     return;
-  if (log_format() == LogFormat::text) {
+  if (log_format() == LogFormat::text)
     std::fputs(in_words(result).c_str(), stderr);
+  if (Progress::style_for(false) != Progress::Style::lines)
     return;
-  }
   Report const& report = result.report;
   log_event("result", {{"steps", report.steps},
                        {"wall_seconds", result.wall_seconds},
@@ -147,6 +147,8 @@ void Run::go(StopRequests& stops)
     return write_recorded(*saved);
   if (saved)
     go_on_from(*saved);
+  else
+    forget_checkpoint(options_, scene_.settings);
   if (scene_.settings.file)
     open_trajectory();
   if (options_.watching != Watching::no)
