@@ -88,7 +88,7 @@ std::int64_t checksum(SavedRun const& run, NamedList<std::int64_t> const& intege
 
 void write_file(std::string const& path, SavedRun const& run)
 {
-  hdf5::initialise();
+  hdf5::Turn const turn;
   NamedList<std::int64_t> const integers(run.engine.integers);
   NamedList<double> const reals(run.engine.reals);
   hdf5::Properties const access(H5Pcreate(H5P_FILE_ACCESS));
@@ -123,7 +123,7 @@ void write_file(std::string const& path, SavedRun const& run)
 
 SavedRun read_file(std::string const& path)
 {
-  hdf5::initialise();
+  hdf5::Turn const turn;
   SavedRun run;
   hdf5::File const file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   auto const format = hdf5::read_attribute<std::int64_t>(file, "format");
@@ -185,6 +185,17 @@ void write_checkpoint(std::string const& path, SavedRun const& run)
   }
   ::unlink(temporary.c_str());
   throw Failure(Exit::io_error, fmt::format("cannot write checkpoint '{}': {}", path, reason));
+}
+
+bool is_checkpoint(std::string const& path)
+{
+  hdf5::Turn const turn;
+  try {
+    hdf5::File const file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    return hdf5::check(H5Aexists(file, "checksum")) > 0;
+  } catch (hdf5::Error const&) {
+    return false;
+  }
 }
 
 SavedRun read_checkpoint(std::string const& path)

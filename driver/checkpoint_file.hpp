@@ -29,6 +29,9 @@ std::string previous_checkpoint(std::string const& path);
 /// program or the machine is stopped. Throws Failure(Exit::io_error); then `path` is as it was.
 void write_checkpoint(std::string const& path, SavedRun const& run);
 
+/// True if the file at `path` is a checkpoint, perhaps a damaged one.
+bool is_checkpoint(std::string const& path);
+
 /// Reads the checkpoint at `path` and verifies its checksum. Throws Failure: Exit::no_input if
 /// there is none, Exit::io_error if it is damaged, Exit::bad_data if it is another version's.
 SavedRun read_checkpoint(std::string const& path);

@@ -19,8 +19,8 @@ namespace ricochet::driver {
 
 namespace {
 
-std::vector<std::string> const commands{"run",     "generate", "validate", "info",
-                                        "compare", "render",   "plot"};
+std::vector<std::string> const commands{"run",  "ensemble", "generate", "validate",
+                                        "info", "compare",  "render",   "plot"};
 
 [[noreturn]] void wrong(std::string const& message)
 {
@@ -63,6 +63,17 @@ std::string choice(std::string const& option, std::string const& word,
                       hint.empty() ? "" : " ", hint));
   }
   return word;
+}
+
+// section.key=value
+Override key_and_value(std::string const& option, std::string const& word)
+{
+  std::size_t const equals = word.find('=');
+  if (equals == std::string::npos)
+    wrong(fmt::format("{}: found {} without '=' (allowed: section.key=value)", option,
+                      in_quotes(word)));
+  std::string const key(trimmed(word.substr(0, equals)));
+  return {option + " " + key, key, std::string(trimmed(word.substr(equals + 1)))};
 }
 
 std::vector<std::string> split(std::string const& text, char separator)
@@ -139,6 +150,16 @@ std::string const run_examples = R"(Examples:
   ricochet run gas.csv gas.config.csv                  the original's files: final states on standard output
   ricochet gas.csv gas.config.csv                      the same, as the original is called)";
 
+std::string const ensemble_examples = R"(Examples:
+  ricochet ensemble gas.toml --members 64 --vary seed -o gas.h5md > gas.csv
+                                                       gas_0000.h5md to gas_0063.h5md, and a table
+  ricochet ensemble gas.toml --members 11 --vary contact.restitution=0.9..1 --json alpha.json
+                                                       0.9, 0.91, ... 1; no trajectories
+  ricochet ensemble gas.toml --vary run.dt=0.01,0.02,0.04 --vary output.every=400,200,100 -o dt.h5md
+                                                       three members: the first values, the second, ...
+  ricochet ensemble gas.toml --members 64 --vary seed -o gas.h5md --csv gas.csv --resume auto
+                                                       in a queue: finish what the last job did not)";
+
 std::string const generate_examples = R"(Examples:
   ricochet generate gas.toml -o gas.csv                            the initial states of a scene
   ricochet generate gas.toml -o gas.csv --config gas.config.csv    all that the original program reads
@@ -180,7 +201,9 @@ class Reader {
   void reject_mistaken_command() const;
   void declare_scene(CLI::App* command, SceneOptions& scene);
   void declare_threads(CLI::App* command, KokkosOptions& kokkos);
+  void declare_simulation(CLI::App* command, RunOptions& options);
   void declare_run();
+  void declare_ensemble();
   void declare_generate();
   void declare_validate();
   void declare_info();
@@ -196,11 +219,13 @@ class Reader {
               std::string const& value, std::string& target);
   void check_scene(SceneOptions const& scene) const;
   Command checked_run() const;
+  Command checked_ensemble();
   Command checked_render();
   Command checked_plot() const;
 
   CLI::App app_{"Simulates equal discs that bounce in a two-dimensional box.", "ricochet"};
   CLI::App* run_ = nullptr;
+  CLI::App* ensemble_ = nullptr;
   CLI::App* generate_ = nullptr;
   CLI::App* validate_ = nullptr;
   CLI::App* info_ = nullptr;
@@ -209,6 +234,7 @@ class Reader {
   CLI::App* plot_ = nullptr;
   std::vector<std::string> arguments_;
   RunOptions run_options_;
+  EnsembleOptions ensemble_options_;
   GenerateOptions generate_options_;
   ValidateOptions validate_options_;
   InfoOptions info_options_;
@@ -244,6 +270,7 @@ Reader::Reader(std::vector<std::string> const& arguments)
               "`ricochet COMMAND --help` explains a command.\n\n" +
               run_examples);
   declare_run();
+  declare_ensemble();
   declare_generate();
   declare_validate();
   declare_info();
@@ -302,15 +329,8 @@ void Reader::declare_scene(CLI::App* command, SceneOptions& scene)
       ->add_option_function<std::vector<std::string>>(
           "--set",
           [&scene](std::vector<std::string> const& settings) {
-            for (std::string const& setting : settings) {
-              std::size_t const equals = setting.find('=');
-              if (equals == std::string::npos)
-                wrong(fmt::format("--set: found {} without '=' (allowed: section.key=value)",
-                                  in_quotes(setting)));
-              std::string const key(trimmed(setting.substr(0, equals)));
-              scene.overrides.push_back(
-                  {"--set " + key, key, std::string(trimmed(setting.substr(equals + 1)))});
-            }
+            for (std::string const& setting : settings)
+              scene.overrides.push_back(key_and_value("--set", setting));
           },
           "Override a setting of the scene; may be repeated")
       ->type_name("section.key=value")
@@ -332,43 +352,58 @@ void Reader::declare_threads(CLI::App* command, KokkosOptions& kokkos)
          });
 }
 
-void Reader::declare_run()
+// What a scene is run with, alone or as a member of an ensemble.
+void Reader::declare_simulation(CLI::App* command, RunOptions& o)
 {
-  RunOptions& o = run_options_;
-  run_ = app_.add_subcommand("run", "Simulate a scene");
-  run_->footer(run_examples);
-  declare_scene(run_, o.scene);
+  declare_scene(command, o.scene);
   for (SettingOption const& setting : run_settings) {
     std::string const names = setting.names, key = setting.key;
     std::string const name = names.substr(names.find("--"));
-    option(run_, names, setting.help, setting.value, [&o, name, key](std::string const& word) {
+    option(command, names, setting.help, setting.value, [&o, name, key](std::string const& word) {
       o.scene.overrides.push_back({name, key, word});
     });
   }
-  run_->add_flag_callback(
+  command->add_flag_callback(
       "--float32",
       [&o] {
         o.scene.overrides.push_back({"--float32", "output.float32", "true"});
       },
       "Store frames in single precision");
-  output(run_, "--final", "Write the final states as CSV; - is standard output", "FILE.csv",
+  output(command, "--final", "Write the final states as CSV; - is standard output", "FILE.csv",
          o.final_file);
-  output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
-  option(run_, "--resume",
+  option(command, "--resume",
          "Go on from a checkpoint: from this one; auto: from the run's own, or begin", "auto|FILE",
-         [&](std::string const& word) {
+         [&o](std::string const& word) {
            if (word.empty())
              wrong("--resume: found no file name (allowed: auto, a checkpoint)");
            o.resume = word;
          });
-  option(run_, "--max-walltime", "Stop with a checkpoint before this time is over", "HH:MM:SS",
-         [&](std::string const& word) {
+  option(command, "--max-walltime", "Stop with a checkpoint before this time is over", "HH:MM:SS",
+         [&o](std::string const& word) {
            o.walltime = parse_duration(word);
            if (!o.walltime)
              wrong(fmt::format("--max-walltime: found {} (allowed: HH:MM:SS, D-HH:MM:SS)",
                                in_quotes(word)));
          });
-  declare_threads(run_, o.kokkos);
+  declare_threads(command, o.kokkos);
+  command->add_flag("--force", o.force, "Replace files that exist");
+  option(command, "--log-format", "text (default) or json: an object a line on stderr", "NAME",
+         [&o](std::string const& word) {
+           if (word != "text" && word != "json")
+             wrong(fmt::format("--log-format: found {} (allowed: text, json)", in_quotes(word)));
+           o.log_format = word == "json" ? LogFormat::json : LogFormat::text;
+         });
+  command->add_flag("-q,--quiet", o.kokkos.quiet,
+                    "No progress and no summary; warnings and errors stay");
+}
+
+void Reader::declare_run()
+{
+  RunOptions& o = run_options_;
+  run_ = app_.add_subcommand("run", "Simulate a scene");
+  run_->footer(run_examples);
+  declare_simulation(run_, o);
+  output(run_, "--json", "Write a summary as JSON; - is standard output", "FILE", o.json);
   run_->add_flag_callback(
       "--window", [&o] { o.watching = Watching::window; }, "Show it in a window on the way");
   run_->add_flag_callback(
@@ -378,15 +413,34 @@ void Reader::declare_run()
                  "Write nothing; tell what the run is, and what memory, disk and time it takes");
   run_->add_flag("--print-scene", o.print_scene,
                  "Write the scene with all settings as TOML to standard output, and stop");
-  run_->add_flag("--force", o.force, "Replace files that exist");
-  option(run_, "--log-format", "text (default) or json: an object a line on stderr", "NAME",
-         [&](std::string const& word) {
-           if (word != "text" && word != "json")
-             wrong(fmt::format("--log-format: found {} (allowed: text, json)", in_quotes(word)));
-           o.log_format = word == "json" ? LogFormat::json : LogFormat::text;
-         });
-  run_->add_flag("-q,--quiet", o.kokkos.quiet,
-                 "No progress and no summary; warnings and errors stay");
+}
+
+void Reader::declare_ensemble()
+{
+  EnsembleOptions& o = ensemble_options_;
+  ensemble_ = app_.add_subcommand("ensemble", "Simulate many variants of a scene at once");
+  ensemble_->footer(ensemble_examples);
+  declare_simulation(ensemble_, o.run);
+  option(ensemble_, "--members", "How many variants (default: as many as lists have values)", "N",
+         [&o](std::string const& word) { o.members = integer("--members", word, 1, 1000000); });
+  ensemble_
+      ->add_option_function<std::vector<std::string>>(
+          "--vary",
+          [&o](std::vector<std::string> const& words) {
+            for (std::string const& word : words)
+              o.vary.push_back(word == "seed"
+                                   ? Override{"--vary seed", "discs.generate.seed", "seed"}
+                                   : key_and_value("--vary", word));
+          },
+          "What differs; VALUES are A..B, evenly spaced, or a list A,B,C; seed alone: seeds "
+          "count up; may be repeated")
+      ->type_name("section.key=VALUES|seed")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  output(ensemble_, "--csv", "Write the table of members as CSV (default: to standard output)",
+         "FILE.csv", o.csv);
+  output(ensemble_, "--json", "Write it as JSON; - is standard output", "FILE", o.json);
+  ensemble_->add_flag("--dry-run", o.run.dry_run, "Simulate nothing; list the members");
 }
 
 void Reader::declare_generate()
@@ -544,10 +598,12 @@ Command Reader::read()
   } catch (CLI::ParseError const& error) {
     explain_error(error);
   }
-  if (!flags.empty() && !run_->parsed() && !render_->parsed())
-    wrong(flags[0] + ": only `ricochet run` and `ricochet render` start Kokkos");
+  if (!flags.empty() && !run_->parsed() && !ensemble_->parsed() && !render_->parsed())
+    wrong(flags[0] + ": only `ricochet run`, `ensemble` and `render` start Kokkos");
   if (run_->parsed())
     return checked_run();
+  if (ensemble_->parsed())
+    return checked_ensemble();
   if (generate_->parsed()) {
     check_scene(generate_options_.scene);
     if (generate_options_.output == "-" && generate_options_.config == "-")
@@ -584,6 +640,22 @@ Command Reader::checked_run() const
   check_scene(o.scene);
   if (o.final_file == "-" && o.json == "-")
     wrong("--final - and --json - both ask for standard output: give one of them a file");
+  return o;
+}
+
+Command Reader::checked_ensemble()
+{
+  EnsembleOptions& o = ensemble_options_;
+  o.run.kokkos.flags = run_options_.kokkos.flags;
+  o.run.command_line = run_options_.command_line;
+  check_scene(o.run.scene);
+  if (o.run.final_file == "-")
+    wrong("--final: the members' states cannot all go to standard output: name a file");
+  if (!o.run.resume.empty() && o.run.resume != "auto")
+    wrong(fmt::format("--resume: found {} (allowed: auto; each member has a checkpoint)",
+                      in_quotes(o.run.resume)));
+  if (o.csv == "-" && o.json == "-")
+    wrong("--csv - and --json - both ask for standard output: give one of them a file");
   return o;
 }
 

@@ -31,6 +31,16 @@ struct RunOptions {
   Watching watching = Watching::no;
   KokkosOptions kokkos;     ///< with --quiet and --threads
   std::string command_line; ///< as it was given, in a form that a shell takes back
+  int at_once = 1;          ///< runs that take turns at writing files
+};
+
+/// ricochet ensemble SCENE
+struct EnsembleOptions {
+  RunOptions run; ///< of each member; where it names files, members' have a number besides
+  std::optional<std::int64_t> members;
+  std::vector<Override> vary; ///< what variations() understands
+  std::string csv;            ///< a table of the members; empty: none, "-": standard output
+  std::string json;           ///< likewise
 };
 
 /// ricochet generate SCENE
@@ -90,8 +100,9 @@ struct Answer {
   std::string text;
 };
 
-using Command = std::variant<RunOptions, GenerateOptions, ValidateOptions, InfoOptions,
-                             CompareOptions, RenderOptions, PlotOptions, KokkosHelp, Answer>;
+using Command =
+    std::variant<RunOptions, GenerateOptions, ValidateOptions, InfoOptions, CompareOptions,
+                 RenderOptions, PlotOptions, EnsembleOptions, KokkosHelp, Answer>;
 
 /// Understands the arguments after the name of the program. Throws Failure(Exit::usage).
 Command parse_command_line(std::vector<std::string> const& arguments);

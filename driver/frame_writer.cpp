@@ -1,5 +1,7 @@
 #include "frame_writer.hpp"
 
+#include "kokkos_startup.hpp"
+
 #include <algorithm>
 #include <chrono>
 
@@ -102,9 +104,9 @@ void FrameWriter::finish()
 
 void FrameWriter::work()
 {
+  share_processors();
   std::unique_lock lock(mutex_);
   try {
-    hdf5::initialise();
     while (!closed_ || !queue_.empty()) {
       std::size_t const room = room_in_block();
       changed_.wait_for(lock, longest_wait, [&] {

@@ -6,6 +6,8 @@ namespace ricochet::driver::hdf5 {
 
 namespace {
 
+std::recursive_mutex turns;
+
 // Keeps the innermost description, and the system's own words where a call to it failed.
 herr_t collect(unsigned, H5E_error2_t const* error, void* data)
 {
@@ -64,14 +66,14 @@ void throw_error()
   throw Error(reason.empty() ? "HDF5 gave no reason" : reason);
 }
 
-void initialise()
+Turn::Turn() : lock_(turns)
 {
   static bool const once = [] {
     H5dont_atexit();
     return true;
   }();
   (void)once;
-  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
+  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr)); // of this thread, where it has its own
 }
 
 Group create_group(hid_t parent, std::string const& path)

@@ -1,11 +1,12 @@
 // The HDF5 C interface with owners for its handles and exceptions for its errors.
 //
-// HDF5 is thread-safe or not as it was built; here one thread at a time uses it.
+// HDF5 is thread-safe or not as it was built; here threads take turns.
 #pragma once
 
 #include <hdf5.h>
 
 #include <cstdint>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,9 +34,16 @@ Result check(Result result)
   return result;
 }
 
-/// To be called first in every thread that uses HDF5: errors are thrown, not printed, and files
-/// that could not be written are not touched again when the program ends.
-void initialise();
+/// A thread's turn at HDF5: whatever uses the library does so while it holds one, which it may do
+/// several times over. Errors are then thrown, not printed, and files that could not be written are
+/// not touched again when the program ends.
+class Turn {
+ public:
+  Turn();
+
+ private:
+  std::lock_guard<std::recursive_mutex> lock_;
+};
 
 /// Owns a handle.
 template <herr_t (*close)(hid_t)>

@@ -1,5 +1,6 @@
 #include "info.hpp"
 
+#include "checkpoint_file.hpp"
 #include "json_output.hpp"
 #include "output_file.hpp"
 #include "text.hpp"
@@ -121,19 +122,43 @@ std::string in_words(TrajectoryInfo const& info)
   return text;
 }
 
+std::string in_words(std::string const& file, SavedRun const& run)
+{
+  std::string text = fmt::format("{}: checkpoint of {} discs, by ricochet {}\n", file,
+                                 run.engine.discs.size(), run.version);
+  text += fmt::format("{:<11} {}\n", "step", run.step());
+  if (run.frames > 0)
+    text += fmt::format("{:<11} {}\n", "frames", run.frames);
+  text += fmt::format("{:<11} {:.3g} s\n", "stepping", run.wall_seconds);
+  if (run.summary.empty())
+    text += "unfinished  the run can go on from here\n";
+  else
+    text += "finished\n" + indented(run.summary);
+  return text + "of the run\n" + indented(run.identity);
+}
+
 Exit info(InfoOptions const& options)
 {
-  TrajectoryInfo const content = describe(options.file);
+  std::string words, json;
+  if (is_checkpoint(options.file)) {
+    SavedRun const run = read_checkpoint(options.file);
+    words = in_words(options.file, run);
+    json = as_json(options.file, run);
+  } else {
+    TrajectoryInfo const content = describe(options.file);
+    words = in_words(content);
+    json = as_json(content);
+  }
   if (!options.json.empty()) {
     if (options.json != "-" && same_file(options.json, options.file))
       throw Failure(Exit::cannot_create, fmt::format("'{}' is the input", options.json));
-    OutputFile json(options.json, options.force);
-    json.write(as_json(content));
-    json.commit();
+    OutputFile file(options.json, options.force);
+    file.write(json);
+    file.commit();
   }
   if (options.json != "-") {
     OutputFile out("-", false);
-    out.write(in_words(content));
+    out.write(words);
     out.commit();
   }
   return Exit::done;

@@ -1,6 +1,7 @@
-// ricochet info: what is in a trajectory.
+// ricochet info: what is in a trajectory or a checkpoint.
 #pragma once
 
+#include "checkpoint_file.hpp"
 #include "command_line.hpp"
 #include "exit_codes.hpp"
 
@@ -46,6 +47,9 @@ bool is_complete(TrajectoryInfo const& info);
 
 /// The description for people.
 std::string in_words(TrajectoryInfo const& info);
+
+/// The same about a checkpoint.
+std::string in_words(std::string const& file, SavedRun const& run);
 
 /// Runs the command.
 Exit info(InfoOptions const& options);

@@ -113,4 +113,18 @@ std::string as_json(TrajectoryInfo const& info)
   return text_of(json);
 }
 
+std::string as_json(std::string const& file, SavedRun const& run)
+{
+  Json json;
+  json["file"] = file;
+  json["version"] = run.version;
+  json["discs"] = run.engine.discs.size();
+  json["step"] = run.step();
+  json["frames"] = run.frames;
+  json["wall_seconds"] = run.wall_seconds;
+  json["summary"] = run.summary_json.empty() ? Json(nullptr) : Json::parse(run.summary_json);
+  json["identity"] = run.identity;
+  return text_of(json);
+}
+
 } // namespace ricochet::driver

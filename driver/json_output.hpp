@@ -10,5 +10,6 @@ namespace ricochet::driver {
 
 std::string as_json(Summary const& summary);
 std::string as_json(TrajectoryInfo const& info);
+std::string as_json(std::string const& file, SavedRun const& run);
 
 } // namespace ricochet::driver

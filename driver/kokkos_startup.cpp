@@ -4,9 +4,15 @@
 
 #include <Kokkos_Core.hpp>
 
+#if defined(KOKKOS_ENABLE_OPENMP)
+#include <omp.h>
+#endif
+
 #include <cstdlib>
 #include <iostream>
+#include <sched.h>
 #include <sstream>
+#include <type_traits>
 #include <unistd.h>
 
 namespace ricochet::driver {
@@ -19,6 +25,8 @@ constexpr bool old_names = true;
 #else
 constexpr bool old_names = false;
 #endif
+
+std::string configuration; // only the thread that starts Kokkos can ask for it
 
 struct Flag {
   char const* name;
@@ -140,8 +148,11 @@ KokkosSession::KokkosSession(KokkosOptions const& options)
   } catch (std::exception const& error) {
     throw Failure(Exit::failed, std::string("Kokkos does not start: ") + error.what());
   }
+  std::ostringstream text;
+  Kokkos::print_configuration(text, true);
+  configuration = text.str();
   if (print)
-    std::cerr << kokkos_configuration();
+    std::cerr << configuration;
 }
 
 KokkosSession::~KokkosSession()
@@ -160,6 +171,47 @@ void fence()
   Kokkos::fence();
 }
 
+int host_threads()
+{
+  using Device = Kokkos::DefaultExecutionSpace;
+  using Host = Kokkos::DefaultHostExecutionSpace;
+  bool const one = !std::is_same_v<Device, Host> || Kokkos::Profiling::profileLibraryLoaded();
+#if defined(KOKKOS_ENABLE_OPENMP)
+  return one ? 1 : Host().concurrency();
+#else
+  static_cast<void>(one);
+  return 1;
+#endif
+}
+
+// The threads are those of OpenMP, which are bound to processors as the user wants it, and in which
+// the little that Kokkos does by its default backend whatever is asked for runs in place.
+void on_host_threads(int count, std::function<void(int)> const& work)
+{
+#if defined(KOKKOS_ENABLE_OPENMP)
+  int const threads = host_threads();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+#endif
+  for (int i = 0; i < count; ++i)
+    work(i);
+}
+
+void share_processors()
+{
+#if defined(KOKKOS_ENABLE_OPENMP) && defined(__linux__)
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int place = 0; place < omp_get_num_places(); ++place) { // none if threads are not bound
+    std::vector<int> processors(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, processors.data());
+    for (int const processor : processors)
+      CPU_SET(processor, &all);
+  }
+  if (CPU_COUNT(&all) > 0)
+    ::sched_setaffinity(0, sizeof all, &all); // without it, all goes on as it is
+#endif
+}
+
 std::string kokkos_version()
 {
   return std::to_string(KOKKOS_VERSION / 10000) + "." + std::to_string(KOKKOS_VERSION / 100 % 100) +
@@ -175,9 +227,7 @@ std::string kokkos_backends()
 
 std::string kokkos_configuration()
 {
-  std::ostringstream text;
-  Kokkos::print_configuration(text, true);
-  return text.str();
+  return configuration;
 }
 
 } // namespace ricochet::driver

@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 LogFormat format = LogFormat::text;
+bool is_begun = false; // the log, by an event
 
 void put(std::string const& text)
 {
@@ -53,6 +54,7 @@ LogFormat log_format()
 
 void log_event(std::string const& event, std::vector<LogField> const& fields)
 {
+  is_begun = true;
   if (format == LogFormat::json) {
     Json json = object("info");
     json["event"] = event;
@@ -71,6 +73,12 @@ void log_event(std::string const& event, std::vector<LogField> const& fields)
       line += std::to_string(std::get<std::int64_t>(value));
   }
   put(line + "\n");
+}
+
+void log_end(int code)
+{
+  if (is_begun || format == LogFormat::json)
+    log_event("end", {{"code", std::int64_t{code}}});
 }
 
 void tell(LogLevel level, std::string const& sentence)

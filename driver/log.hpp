@@ -25,6 +25,9 @@ using LogField = std::pair<std::string, std::variant<std::string, std::int64_t, 
 /// Tells an event: 2026-01-02T03:04:05Z INFO event key=value ...
 void log_event(std::string const& event, std::vector<LogField> const& fields);
 
+/// Tells the event that ends a log, if there is one: with what the program exits.
+void log_end(int code);
+
 /// Tells a sentence; as text with "warning: " or "ricochet: " before it, if it is one of these.
 void tell(LogLevel level, std::string const& sentence);
 

@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 #include "compare.hpp"
 #include "cpu_check.hpp"
+#include "ensemble.hpp"
 #include "exit_codes.hpp"
 #include "generate.hpp"
 #include "info.hpp"
@@ -27,6 +28,7 @@ struct Execute {
   Exit operator()(InfoOptions const& options) const { return info(options); }
   Exit operator()(CompareOptions const& options) const { return compare(options); }
   Exit operator()(RenderOptions const& options) const { return render(options); }
+  Exit operator()(EnsembleOptions const& options) const { return ensemble(options); }
   Exit operator()(PlotOptions const& options) const { return plot(options); }
   Exit operator()(KokkosHelp) const
   {
@@ -77,7 +79,6 @@ int main(int argc, char** argv)
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow further is an error like a full disk
   std::signal(SIGPIPE, SIG_IGN); // and so is a reader that went away
   int const code = run_command({argv + 1, argv + argc});
-  if (log_format() == LogFormat::json)
-    log_event("end", {{"code", std::int64_t{code}}});
+  log_end(code);
   return code;
 }

@@ -28,6 +28,7 @@ void melt(Scene& scene)
   Method method;
   method.engine = EngineKind::events;
   method.dt = 10 * 2 * model.radius;
+  method.placement = scene.method.placement;
   constexpr std::uint64_t of_melting = std::uint64_t{3} << 32; // beside those of generate.cpp
   auto const seed = static_cast<std::uint64_t>(*scene.settings.seed);
   std::vector<DiscState> discs = scene.discs;

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <sstream>
+#include <unistd.h>
 
 namespace ricochet::driver {
 
@@ -45,6 +46,12 @@ void require_own_trajectory(std::string const& path, std::string const& identity
                               path, there.empty() ? "" : ": " + difference(there, identity)));
 }
 
+// The checkpoint of a trajectory, unless it has a name of its own.
+std::string beside(std::string const& trajectory)
+{
+  return std::filesystem::path(trajectory).replace_extension(".chk.h5").string();
+}
+
 // Throws unless the run can go on from `saved`.
 void require_own_checkpoint(SavedRun const& saved, std::string const& path,
                             Settings const& settings, std::string const& identity)
@@ -59,6 +66,14 @@ void require_own_checkpoint(SavedRun const& saved, std::string const& path,
                   fmt::format("--output: '{}' was made without a trajectory, whose first frames "
                               "would be missing (--force begins anew)",
                               path));
+  if (settings.file && std::filesystem::exists(*settings.file))
+    if (std::int64_t const frames = TrajectoryReader(*settings.file).frames();
+        frames < saved.frames)
+      throw Failure(
+          Exit::cannot_create,
+          fmt::format("cannot go on from '{}': '{}' has {} of the {} frames that it counts "
+                      "(--force begins anew)",
+                      path, *settings.file, frames, saved.frames));
   if (!settings.file && saved.frames > 0 && saved.summary.empty())
     throw Failure(Exit::usage, fmt::format("'{}' was made with a trajectory of {} frames (add "
                                            "--output to go on with it; --force begins anew)",
@@ -84,7 +99,20 @@ std::string checkpoint_path(RunOptions const& options, Settings const& settings)
     throw Failure(Exit::usage, fmt::format("{}: needs a checkpoint: add --checkpoint FILE, or "
                                            "--output FILE.h5md, beside which it is kept",
                                            asking));
-  return std::filesystem::path(*settings.file).replace_extension(".chk.h5").string();
+  return beside(*settings.file);
+}
+
+void forget_checkpoint(RunOptions const& options, Settings const& settings)
+{
+  if (!options.force && options.resume.empty())
+    return;
+  std::string path = checkpoint_path(options, settings);
+  if (path.empty() && settings.file)
+    path = beside(*settings.file);
+  if (path.empty() || !is_checkpoint(path))
+    return;
+  for (std::string const& stale : {previous_checkpoint(path), path})
+    ::unlink(stale.c_str());
 }
 
 std::optional<SavedRun> find_saved(RunOptions const& options, Settings const& settings,

@@ -18,4 +18,8 @@ std::string checkpoint_path(RunOptions const& options, Settings const& settings)
 std::optional<SavedRun> find_saved(RunOptions const& options, Settings const& settings,
                                    std::string const& identity);
 
+/// Removes the checkpoints of what a run that begins replaces, if it may: nobody goes on from them
+/// with its trajectory.
+void forget_checkpoint(RunOptions const& options, Settings const& settings);
+
 } // namespace ricochet::driver

@@ -1,24 +1,16 @@
 #include "run.hpp"
 
+#include "compression.hpp"
 #include "final_states.hpp"
-#include "frame_writer.hpp"
 #include "json_output.hpp"
 #include "log.hpp"
 #include "melt.hpp"
-#include "outlook.hpp"
 #include "output_file.hpp"
-#include "output_lock.hpp"
 #include "pictures/frame_source.hpp"
-#include "pictures/viewer.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
-#include "resume.hpp"
-#include "scene.hpp"
 #include "states_h5md.hpp"
-#include "stop_request.hpp"
-#include "summary.hpp"
 #include "text.hpp"
-#include "trajectory_file.hpp"
 
 #include <fmt/format.h>
 
@@ -77,58 +69,7 @@ double timed(Work const& work)
   return spent.count();
 }
 
-// A run in progress.
-class Run {
- public:
-  Run(RunOptions const& options, Scene scene);
-  void go();
-
-  /// Takes steps for about a second and tells what all of them would take.
-  Forecast forecast();
-
- private:
-  TrajectoryHeader header() const;
-  std::int64_t end_of_phase(std::int64_t step) const;
-  double timed_steps(std::int64_t step, std::int64_t until);
-  Report report();
-  void go_on_from(SavedRun const& saved);
-  void write_recorded(SavedRun const& saved);
-  void log_start();
-  void tell_result(Summary const& result) const;
-  void open_trajectory();
-  void open_window();
-  void watch(std::int64_t step);
-  void step_to_the_end(StopRequests& stops);
-  void save(Summary const* result);
-  [[noreturn]] void stop(std::string const& why, int signal);
-  void write_frame(Report const& report);
-  void close_trajectory();
-  void check_state(Report const& report);
-  void fetch_states();
-  void write_results();
-  std::string final_file() const;
-  Summary summary();
-
-  RunOptions const& options_;
-  Scene scene_;
-  std::unique_ptr<Engine> engine_;
-  std::int64_t discs_;
-  std::uint64_t initial_hash_ = 0;
-  std::string identity_;
-  std::string checkpoint_; ///< where it is kept; empty: nowhere
-  std::vector<std::string> warnings_;
-  std::unique_ptr<TrajectoryFile> trajectory_;
-  std::unique_ptr<FrameWriter> writer_;
-  Stage stage_;                    ///< for the window
-  std::unique_ptr<LiveView> live_; ///< if the run is watched
-  std::int64_t step_ = 0;          ///< taken so far
-  std::int64_t frames_ = 0;        ///< of the trajectory, as of the last checkpoint
-  double wall_seconds_ = 0;
-  double checkpoint_seconds_ = 0; ///< that the last one took
-  std::vector<DiscState> states_; ///< at the end, if anyone asks
-  std::string broken_;            ///< why the state is no longer one; empty while it is
-  std::vector<std::string> outputs_;
-};
+} // namespace
 
 Run::Run(RunOptions const& options, Scene scene)
   : options_(options),
@@ -151,7 +92,7 @@ Run::Run(RunOptions const& options, Scene scene)
 }
 
 // What a log should know before the run begins.
-void Run::log_start()
+void Run::log_start() const
 {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -175,10 +116,10 @@ void Run::tell_result(Summary const& result) const
 {
   if (options_.kokkos.quiet)
     return;
-  if (log_format() == LogFormat::text) {
+  if (log_format() == LogFormat::text)
     std::fputs(in_words(result).c_str(), stderr);
+  if (Progress::style_for(false) != Progress::Style::lines)
     return;
-  }
   Report const& report = result.report;
   log_event("result", {{"steps", report.steps},
                        {"wall_seconds", result.wall_seconds},
@@ -189,22 +130,25 @@ void Run::tell_result(Summary const& result) const
                        {"outputs", joined(result.outputs)}});
 }
 
-void Run::go()
+void Run::introduce() const
 {
-  auto const style = Progress::style_for(options_.kokkos.quiet);
-  if (style == Progress::Style::lines)
+  if (Progress::style_for(options_.kokkos.quiet) == Progress::Style::lines)
     log_start();
   for (std::string const& note : scene_.notes)
     tell(LogLevel::info, note);
   for (std::string const& warning : warnings_)
     tell(LogLevel::warning, warning);
+}
+
+void Run::go(StopRequests& stops)
+{
   auto const saved = find_saved(options_, scene_.settings, identity_);
   if (saved && !saved->summary.empty())
     return write_recorded(*saved);
-  std::string const folder = std::filesystem::path(checkpoint_).parent_path().string();
-  StopRequests stops(options_.walltime, folder.empty() ? "STOP" : folder + "/STOP");
   if (saved)
     go_on_from(*saved);
+  else
+    forget_checkpoint(options_, scene_.settings);
   if (scene_.settings.file)
     open_trajectory();
   if (options_.watching != Watching::no)
@@ -241,18 +185,19 @@ void Run::write_recorded(SavedRun const& saved)
   auto const is_missing = [](std::string const& path) {
     return !std::filesystem::is_regular_file(path);
   };
-  std::vector<std::string> outputs;
-  if (is_missing(final_file()))
-    write_output(final_file(), options_.force, outputs,
+  auto& outputs = result_.outputs;
+  if (is_missing(options_.final_file))
+    write_output(options_.final_file, options_.force, outputs,
                  [&](OutputFile& file) { write_states(file, saved.engine.discs); });
   if (is_missing(options_.json))
     write_output(options_.json, options_.force, outputs,
                  [&](OutputFile& file) { file.write(saved.summary_json); });
+  result_.json = saved.summary_json;
   if (!options_.kokkos.quiet)
     tell(LogLevel::info, "finished before:\n" + saved.summary);
 }
 
-TrajectoryHeader Run::header() const
+TrajectoryHeader Run::header()
 {
   Settings const& settings = scene_.settings;
   TrajectoryHeader header;
@@ -267,11 +212,37 @@ TrajectoryHeader Run::header() const
   header.frames = planned_frames(scene_.steps, scene_.every);
   header.velocity = *settings.velocity;
   header.float32 = *settings.float32;
-  header.deflate = *settings.compression == Compression::deflate ||
-                   (*settings.compression == Compression::automatic &&
-                    worth_compressing(discs_, header.frames, scene_.every));
   header.version = version();
+  header.deflate = *settings.compression == Compression::deflate ||
+                   (*settings.compression == Compression::automatic && frames_ == 0 &&
+                    has_time_to_deflate(header));
   return header;
+}
+
+// Measures with steps that are taken back: the file must be there before the run's own begin.
+bool Run::has_time_to_deflate(TrajectoryHeader const& header)
+{
+  if (!is_large(header))
+    return false;
+  Checkpoint const now = engine_->checkpoint();
+  double const deflating = seconds_to_deflate(header, now.discs) * options_.at_once;
+  constexpr double sample = 0.05; // seconds
+  double spent = 0, all = 0;
+  std::int64_t batch = 1;
+  try {
+    for (; all < sample; batch *= 2) {
+      spent = timed([&] {
+        engine_->advance(batch);
+        fence();
+      });
+      all += spent;
+    }
+  } catch (LastingContact const&) {
+    // The run itself will tell where it comes to that.
+  }
+  engine_->restore(now);
+  double const a_step = 2 * spent / static_cast<double>(batch);
+  return keeps_up(deflating, a_step * static_cast<double>(header.every));
 }
 
 void Run::open_trajectory()
@@ -423,8 +394,9 @@ void Run::step_to_the_end(StopRequests& stops)
       progress.clear();
       stop(why, stops.signal());
     }
-    bool const asked = stops.wants_checkpoint();
+    bool const asked = stops.checkpoints_asked() != checkpoints_asked_;
     if (!checkpoint_.empty() && (asked || Clock::now() - saved >= checkpoint_interval)) {
+      checkpoints_asked_ = stops.checkpoints_asked();
       save(nullptr);
       saved = Clock::now();
     }
@@ -452,8 +424,8 @@ void Run::close_trajectory()
   trajectory_.reset();
   std::error_code ignored;
   auto const bytes = std::filesystem::file_size(*scene_.settings.file, ignored);
-  outputs_.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames_,
-                                 static_cast<double>(bytes) / 1e6));
+  result_.outputs.push_back(fmt::format("{} ({} frames, {:.1f} MB)", *scene_.settings.file, frames_,
+                                        static_cast<double>(bytes) / 1e6));
 }
 
 // A speed may be so large that its square is infinite; only the state itself tells.
@@ -493,14 +465,6 @@ Summary Run::summary()
   return s;
 }
 
-// Where the final states go; standard output if nothing else is written.
-std::string Run::final_file() const
-{
-  bool const to_nowhere =
-      !scene_.settings.file && options_.final_file.empty() && options_.json.empty();
-  return to_nowhere ? "-" : options_.final_file;
-}
-
 void Run::write_results()
 {
   Summary result = summary();
@@ -510,14 +474,15 @@ void Run::write_results()
     save(&result);
 
   bool const replace = options_.force || !options_.resume.empty();
+  result_.json = as_json(result);
   if (broken_.empty())
-    write_output(final_file(), replace, outputs_, [&](OutputFile& file) {
+    write_output(options_.final_file, replace, result_.outputs, [&](OutputFile& file) {
       fetch_states();
       write_states(file, states_);
     });
-  write_output(options_.json, replace, outputs_,
-               [&](OutputFile& file) { file.write(as_json(result)); });
-  result.outputs = outputs_;
+  write_output(options_.json, replace, result_.outputs,
+               [&](OutputFile& file) { file.write(result_.json); });
+  result.outputs = result_.outputs;
   tell_result(result);
 }
 
@@ -571,24 +536,44 @@ Forecast Run::forecast()
   return forecast;
 }
 
-} // namespace
-
 std::int64_t planned_frames(std::int64_t steps, std::int64_t every)
 {
   return 1 + steps / every + (steps % every != 0);
 }
 
-bool worth_compressing(std::int64_t discs, std::int64_t frames, std::int64_t every)
+std::vector<std::string> outputs_of(RunOptions const& options, Settings const& settings)
 {
-  constexpr double small_file = 16e6; // bytes; whatever they hold is not worth the trouble
-  constexpr std::int64_t steps_that_hide_it = 100;
-  double const bytes =
-      static_cast<double>(discs) * static_cast<double>(frames) * sizeof(double) * 6;
-  return bytes > small_file && every >= steps_that_hide_it;
+  return {settings.file.value_or(""), options.final_file, options.json,
+          checkpoint_path(options, settings)};
 }
 
-Exit run(RunOptions const& options)
+void check_run(RunOptions const& options, Settings const& settings)
 {
+  check_frame_options(options, settings);
+  check_outputs(
+      outputs_of(options, settings),
+      {options.scene.file, options.scene.config, file_of_states(settings.states.value_or(""))},
+      options.force || !options.resume.empty());
+}
+
+std::vector<OutputLock> lock_outputs(std::vector<std::string> const& outputs)
+{
+  std::vector<OutputLock> locks;
+  for (std::string const& output : outputs)
+    if (is_file_output(output))
+      locks.emplace_back(output);
+  return locks;
+}
+
+std::string stop_file(RunOptions const& options, Settings const& settings)
+{
+  std::filesystem::path const checkpoint = checkpoint_path(options, settings);
+  return (checkpoint.parent_path() / "STOP").string();
+}
+
+Exit run(RunOptions const& given)
+{
+  RunOptions options = given;
   set_log_format(options.log_format);
   Scene scene = read_scene(options.scene);
   if (options.print_scene) {
@@ -601,14 +586,9 @@ Exit run(RunOptions const& options)
     out.commit();
     return Exit::done;
   }
-  check_frame_options(options, scene.settings);
-  std::string const checkpoint = checkpoint_path(options, scene.settings);
-  std::vector<std::string> const outputs{scene.settings.file.value_or(""), options.final_file,
-                                         options.json, checkpoint};
-  check_outputs(outputs,
-                {options.scene.file, options.scene.config,
-                 file_of_states(scene.settings.states.value_or(""))},
-                options.force || !options.resume.empty());
+  if (!scene.settings.file && options.final_file.empty() && options.json.empty())
+    options.final_file = "-"; // nothing else would be written
+  check_run(options, scene.settings);
   if (options.dry_run) {
     Outlook const expected = outlook(scene);
     std::string text = in_words(scene, expected);
@@ -621,12 +601,12 @@ Exit run(RunOptions const& options)
     out.commit();
     return Exit::done;
   }
-  std::vector<OutputLock> locks;
-  for (std::string const& output : outputs)
-    if (is_file_output(output))
-      locks.emplace_back(output);
+  auto const locks = lock_outputs(outputs_of(options, scene.settings));
+  StopRequests stops(options.walltime, stop_file(options, scene.settings));
   KokkosSession const kokkos(options.kokkos);
-  Run(options, std::move(scene)).go();
+  Run run(options, std::move(scene));
+  run.introduce();
+  run.go(stops);
   return Exit::done;
 }
 

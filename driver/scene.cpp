@@ -20,29 +20,6 @@ namespace ricochet::driver {
 
 namespace {
 
-Settings read_settings(SceneOptions const& options, ProblemList& problems)
-{
-  Settings settings;
-  if (is_toml(options.file)) {
-    settings = read_scene_toml(options.file, problems);
-  } else {
-    if (!options.config.empty())
-      settings = read_config(options.config, problems);
-    settings.states = options.file;
-    settings.engine = EngineKind::sweep; // the original's
-    if (settings.scene.empty())
-      settings.scene = options.file;
-  }
-  apply(options.overrides, settings, problems);
-  if (settings.count || settings.packing) {
-    settings.temperature = settings.temperature.value_or(0);
-    settings.zero_momentum = settings.zero_momentum.value_or(false);
-    settings.arrangement = settings.arrangement.value_or(Arrangement::random);
-    settings.seed = settings.seed.value_or(1);
-  }
-  return settings;
-}
-
 // What is missing that has no default.
 void check_completeness(Settings const& settings, Purpose purpose, ProblemList& problems)
 {
@@ -53,7 +30,7 @@ void check_completeness(Settings const& settings, Purpose purpose, ProblemList& 
                  "found no discs (discs.states names a file of them; discs.generate.count or "
                  "packing_fraction makes them)",
                  "add count = 100 below [discs.generate]");
-  if (purpose == Purpose::run && !settings.engine && !any_wrong(settings, {"run.engine"})) {
+  if (purpose != Purpose::states && !settings.engine && !any_wrong(settings, {"run.engine"})) {
     std::vector<std::string> names;
     for (EngineKind const kind : engine_kinds())
       names.emplace_back(name(kind));
@@ -142,6 +119,29 @@ void relax_discs(Scene& scene, ProblemList& problems)
 
 } // namespace
 
+Settings read_settings(SceneOptions const& options, ProblemList& problems)
+{
+  Settings settings;
+  if (is_toml(options.file)) {
+    settings = read_scene_toml(options.file, problems);
+  } else {
+    if (!options.config.empty())
+      settings = read_config(options.config, problems);
+    settings.states = options.file;
+    settings.engine = EngineKind::sweep; // the original's
+    if (settings.scene.empty())
+      settings.scene = options.file;
+  }
+  apply(options.overrides, settings, problems);
+  if (settings.count || settings.packing) {
+    settings.temperature = settings.temperature.value_or(0);
+    settings.zero_momentum = settings.zero_momentum.value_or(false);
+    settings.arrangement = settings.arrangement.value_or(Arrangement::random);
+    settings.seed = settings.seed.value_or(1);
+  }
+  return settings;
+}
+
 std::string identity(Settings settings, std::uint64_t initial_state_hash)
 {
   settings.states.reset();
@@ -209,6 +209,10 @@ Scene read_scene(SceneOptions const& options, Purpose purpose)
   scene.method.precision = *settings.precision;
   check_model(settings, scene.model, problems);
   set_times(scene, problems);
+  if (purpose == Purpose::settings) {
+    problems.throw_if_any();
+    return scene;
+  }
 
   bool const model_is_good =
       ricochet::problems(scene.model).empty() && !any_wrong(settings, {"box.", "discs."});

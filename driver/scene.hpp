@@ -28,8 +28,12 @@ struct Scene {
   std::vector<std::string> notes; ///< what was done to the discs that was asked for
 };
 
-/// What a scene is read for: its initial states alone, or to be run.
-enum class Purpose { states, run };
+/// What a scene is read for: its initial states alone, to be run, or to know whether it could be,
+/// as far as that can be told without its discs.
+enum class Purpose { states, run, settings };
+
+/// What the files and options of a scene say, with defaults. What is wrong goes to `problems`.
+Settings read_settings(SceneOptions const& options, ProblemList& problems);
 
 /// Reads the scene. Throws Failure with everything that is wrong with it.
 Scene read_scene(SceneOptions const& options, Purpose purpose = Purpose::run);

@@ -25,7 +25,7 @@ constexpr int stop_signals[] = {SIGINT, SIGTERM, SIGUSR1};
 
 volatile std::sig_atomic_t asked_to_stop = 0; // the first signal that did
 volatile std::sig_atomic_t asked_again[NSIG] = {};
-volatile std::sig_atomic_t asked_for_checkpoint = 0;
+volatile std::sig_atomic_t checkpoint_requests = 0;
 
 void note_stop(int signal)
 {
@@ -38,7 +38,7 @@ void note_stop(int signal)
 
 void note_checkpoint(int)
 {
-  asked_for_checkpoint = 1;
+  checkpoint_requests = checkpoint_requests + 1;
 }
 
 void handle(int signal, void (*handler)(int))
@@ -104,7 +104,7 @@ StopRequests::StopRequests(std::optional<double> walltime, std::string stop_file
 {
   if (auto const at = stop_of_environment())
     limit_ = std::min(limit_.value_or(*at), *at);
-  asked_to_stop = asked_for_checkpoint = 0;
+  asked_to_stop = checkpoint_requests = 0;
   for (int const signal : stop_signals) {
     asked_again[signal] = 0;
     handle(signal, note_stop);
@@ -138,9 +138,9 @@ int StopRequests::signal() const
   return asked_to_stop;
 }
 
-bool StopRequests::wants_checkpoint()
+int StopRequests::checkpoints_asked() const
 {
-  return std::exchange(asked_for_checkpoint, 0) != 0;
+  return checkpoint_requests;
 }
 
 } // namespace ricochet::driver

@@ -9,7 +9,7 @@ namespace ricochet::driver {
 /// Seconds in [D-]HH:MM:SS; nothing if `text` is not of that form.
 std::optional<double> parse_duration(std::string const& text);
 
-/// Watches for requests to stop while it lives.
+/// Watches for requests to stop while it lives, for any number of runs.
 ///
 /// SIGINT, SIGTERM and SIGUSR1 ask for an end in good order; the same signal a second time ends the
 /// program at once, with 128 + its number. SIGUSR2 asks for a checkpoint and nothing else.
@@ -30,8 +30,8 @@ class StopRequests {
   /// The signal that asked for the end; 0 if none did.
   int signal() const;
 
-  /// True once after every SIGUSR2.
-  bool wants_checkpoint();
+  /// How many times SIGUSR2 came.
+  int checkpoints_asked() const;
 
  private:
   std::optional<double> limit_; ///< seconds since the start of the program

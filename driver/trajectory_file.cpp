@@ -162,12 +162,19 @@ TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
   }
 }
 
-TrajectoryFile::~TrajectoryFile() = default;
+TrajectoryFile::~TrajectoryFile()
+{
+  hdf5::Turn const turn;
+  for (Dataset* dataset : series())
+    *dataset = Dataset();
+  file_ = hdf5::File();
+}
 
 // Runs `work`; if the file cannot be written, lets go of it and reports a Failure.
 template <class Work>
 void TrajectoryFile::guarded(Work const& work)
 {
+  hdf5::Turn const turn;
   std::string reason;
   try {
     return work();
@@ -212,7 +219,6 @@ void TrajectoryFile::create()
 {
   if (!header_.replace && std::filesystem::exists(header_.path))
     throw std::system_error(EEXIST, std::generic_category());
-  hdf5::initialise();
   std::string const temporary = hidden_beside(header_.path, "tmp");
   file_ = hdf5::File(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_properties()));
   space_ = DiskSpace(temporary);
@@ -240,7 +246,6 @@ void TrajectoryFile::create()
 // Opens the file to go on after the frames that are to be kept.
 void TrajectoryFile::open()
 {
-  hdf5::initialise();
   Properties const access = access_properties();
   set_journaled(access);
   file_ = hdf5::File(H5Fopen(header_.path.c_str(), H5F_ACC_RDWR, access));
@@ -248,9 +253,9 @@ void TrajectoryFile::open()
   reserve(0);
   step_ = open_series(step_path);
   time_ = open_series(time_path);
-  position_ = open_series("/particles/trajectory/position/value");
+  position_ = open_vectors("/particles/trajectory/position/value");
   if (header_.velocity)
-    velocity_ = open_series("/particles/trajectory/velocity/value");
+    velocity_ = open_vectors("/particles/trajectory/velocity/value");
   if (hdf5::exists(file_, "/particles/trajectory/box/edges"))
     edges_ = open_series("/particles/trajectory/box/edges/value");
   for (Observable const& observable : observables())
@@ -269,7 +274,7 @@ void TrajectoryFile::open()
 }
 
 void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
-                                   Shape chunk, bool deflate)
+                                   Shape chunk, Storage storage)
 {
   Shape size{0}, most{H5S_UNLIMITED};
   size.insert(size.end(), row.begin(), row.end());
@@ -279,9 +284,11 @@ void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, S
 
   Properties const creation(H5Pcreate(H5P_DATASET_CREATE));
   hdf5::check(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
-  if (deflate) {
+  if (storage == Storage::deflated) {
     hdf5::check(H5Pset_shuffle(creation));
     hdf5::check(H5Pset_deflate(creation, 1));
+  } else if (storage == Storage::plain) {
+    hdf5::check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER));
   }
   Dataset const dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT));
 }
@@ -289,6 +296,20 @@ void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, S
 Dataset TrajectoryFile::open_series(std::string const& path) const
 {
   return Dataset(H5Dopen2(file_, path.c_str(), series_access()));
+}
+
+// Vectors that are not compressed go straight to their place, where copying them to a chunk first
+// would take a third of the time.
+Dataset TrajectoryFile::open_vectors(std::string const& path) const
+{
+  Dataset dataset = open_series(path);
+  Properties const creation(H5Dget_create_plist(dataset));
+  if (hdf5::check(H5Pget_nfilters(creation)) > 0)
+    return dataset;
+  Properties access(H5Pcreate(H5P_DATASET_ACCESS));
+  hdf5::check(H5Pset_chunk_cache(access, 0, 0, 1.0));
+  dataset.reset(); // or the first opening would decide
+  return Dataset(H5Dopen2(file_, path.c_str(), access));
 }
 
 // Everything that has a row a frame.
@@ -314,18 +335,19 @@ void TrajectoryFile::create_particles()
 {
   hsize_t const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header_.frames));
   hid_t const real = header_.float32 ? hdf5::native<float>() : hdf5::native<double>();
+  Storage const storage = header_.deflate ? Storage::deflated : Storage::plain;
   Shape const row{discs_, 3};
   Shape const chunk{static_cast<hsize_t>(frames_per_block_), discs_per_chunk_, 3};
   Group const group = hdf5::create_group(file_, "/particles/trajectory");
 
   Group const position = hdf5::create_group(group, "position");
-  create_series(position, "value", real, row, chunk, header_.deflate);
+  create_series(position, "value", real, row, chunk, storage);
   create_series(position, "step", hdf5::native<std::int64_t>(), {},
                 {std::min(planned, series_chunk)});
   create_series(position, "time", hdf5::native<double>(), {}, {std::min(planned, series_chunk)});
   if (header_.velocity) {
     Group const velocity = hdf5::create_group(group, "velocity");
-    create_series(velocity, "value", real, row, chunk, header_.deflate);
+    create_series(velocity, "value", real, row, chunk, storage);
     link_time(velocity);
   }
 

@@ -73,6 +73,13 @@ class TrajectoryFile {
   void close();
 
  private:
+  /// What is done with the chunks of a series.
+  enum class Storage {
+    filled, ///< with zeros beyond the last frame
+    plain,  ///< nothing: frames go to their place
+    deflated
+  };
+
   struct Observable;
   struct Element {
     hdf5::Dataset value;
@@ -86,12 +93,13 @@ class TrajectoryFile {
   void create();
   void open();
   hdf5::Dataset open_series(std::string const& path) const;
+  hdf5::Dataset open_vectors(std::string const& path) const;
   std::vector<hdf5::Dataset*> series();
   void create_particles();
   void create_observables();
   void create_parameters();
   static void create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
-                            hdf5::Shape chunk, bool deflate = false);
+                            hdf5::Shape chunk, Storage storage = Storage::filled);
   void link_time(hid_t element);
   template <class Real>
   void write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,

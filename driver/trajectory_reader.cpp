@@ -41,6 +41,7 @@ bool is_hdf5(std::string const& path)
 template <class Work>
 auto TrajectoryReader::guarded(Work const& work) const
 {
+  hdf5::Turn const turn;
   try {
     return work();
   } catch (hdf5::Error const& error) {
@@ -51,36 +52,55 @@ auto TrajectoryReader::guarded(Work const& work) const
 
 TrajectoryReader::TrajectoryReader(std::string const& path) : path_(path)
 {
-  // A trajectory that is being written can be read up to its last flush, but only without locks.
-  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   if (!is_hdf5(path))
     throw Failure(Exit::bad_data, fmt::format("cannot read '{}': it is not an HDF5 file", path));
-  guarded([&] {
-    hdf5::initialise();
-    hdf5::Properties const journaled(H5Pcreate(H5P_FILE_ACCESS));
-    set_journaled(journaled); // what a killed program did not finish is seen as if it had
-    file_ = hdf5::File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, journaled));
-    group_ = particle_group(file_);
-    // `step` is written last: only the frames it counts are complete.
-    steps_ = hdf5::read_all<std::int64_t>(file_, group_ + "/position/step");
-    for (char const* const field : {"position", "velocity"}) {
-      std::string const value = group_ + "/" + field + "/value";
-      if (!hdf5::exists(file_, value))
-        continue;
-      hdf5::Properties const access(H5Pcreate(H5P_DATASET_ACCESS));
-      hdf5::check(H5Pset_chunk_cache(access, 101, 8 << 20, 1.0));
-      values_.emplace_back(H5Dopen2(file_, value.c_str(), access));
-      hdf5::Shape const size = hdf5::shape(values_.back());
-      bool const fits = size.size() == 3 && size[2] == 3 && size[0] >= steps_.size() &&
-                        (fields_.empty() || static_cast<std::int64_t>(size[1]) == discs_);
-      if (!fits)
-        throw hdf5::Error(value + " is not a list of frames of three-dimensional vectors");
-      discs_ = static_cast<std::int64_t>(size[1]);
-      fields_.emplace_back(field);
-    }
-    if (fields_.empty())
-      throw hdf5::Error("it has no positions");
-  });
+  try {
+    guarded([&] { open(); });
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+TrajectoryReader::~TrajectoryReader()
+{
+  close();
+}
+
+void TrajectoryReader::open()
+{
+  // A trajectory that is being written can be read up to its last flush, but only without locks.
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
+  hdf5::Properties const journaled(H5Pcreate(H5P_FILE_ACCESS));
+  set_journaled(journaled); // what a killed program did not finish is seen as if it had
+  file_ = hdf5::File(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, journaled));
+  group_ = particle_group(file_);
+  // `step` is written last: only the frames it counts are complete.
+  steps_ = hdf5::read_all<std::int64_t>(file_, group_ + "/position/step");
+  for (char const* const field : {"position", "velocity"}) {
+    std::string const value = group_ + "/" + field + "/value";
+    if (!hdf5::exists(file_, value))
+      continue;
+    hdf5::Properties const access(H5Pcreate(H5P_DATASET_ACCESS));
+    hdf5::check(H5Pset_chunk_cache(access, 101, 8 << 20, 1.0));
+    values_.emplace_back(H5Dopen2(file_, value.c_str(), access));
+    hdf5::Shape const size = hdf5::shape(values_.back());
+    bool const fits = size.size() == 3 && size[2] == 3 && size[0] >= steps_.size() &&
+                      (fields_.empty() || static_cast<std::int64_t>(size[1]) == discs_);
+    if (!fits)
+      throw hdf5::Error(value + " is not a list of frames of three-dimensional vectors");
+    discs_ = static_cast<std::int64_t>(size[1]);
+    fields_.emplace_back(field);
+  }
+  if (fields_.empty())
+    throw hdf5::Error("it has no positions");
+}
+
+void TrajectoryReader::close()
+{
+  hdf5::Turn const turn;
+  values_.clear();
+  file_ = hdf5::File();
 }
 
 std::vector<double> TrajectoryReader::times() const

@@ -19,6 +19,9 @@ class TrajectoryReader {
  public:
   /// Throws Failure: Exit::no_input, or Exit::bad_data if it is not a trajectory.
   explicit TrajectoryReader(std::string const& path);
+  ~TrajectoryReader();
+  TrajectoryReader(TrajectoryReader const&) = delete;
+  TrajectoryReader& operator=(TrajectoryReader const&) = delete;
 
   std::string const& path() const { return path_; }
   std::int64_t frames() const { return static_cast<std::int64_t>(steps_.size()); }
@@ -54,6 +57,8 @@ class TrajectoryReader {
  private:
   template <class Work>
   auto guarded(Work const& work) const;
+  void open();
+  void close();
 
   std::string path_;
   hdf5::File file_;

@@ -64,7 +64,7 @@ KOKKOS_INLINE_FUNCTION double kinetic_energy(Vec2<Real> velocity)
 }
 
 template <class Space>
-using BooksView = Kokkos::View<Books, typename Space::memory_space>;
+using BooksView = Kokkos::View<Books, Space>;
 
 /// Adds what one kernel reported to the books of the run.
 template <class Space>

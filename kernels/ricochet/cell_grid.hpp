@@ -101,7 +101,7 @@ template <class Space>
 struct Cells {
   CellAxis x, y;
   /// Cell c holds the slots start(c) ... start(c + 1) - 1, in no particular order.
-  Kokkos::View<int*, typename Space::memory_space> start;
+  Kokkos::View<int*, Space> start;
 
   /// Number of cells, with those around the box.
   int count() const { return stride() * (y.count + 2) + 1; }
@@ -253,7 +253,7 @@ struct Cells {
 /// Sorts order(first)...order(last - 1) by the id of the slot each entry names.
 template <class Space>
 struct SortCellById {
-  Kokkos::View<int*, typename Space::memory_space> start, order, id;
+  Kokkos::View<int*, Space> start, order, id;
 
   KOKKOS_INLINE_FUNCTION void operator()(int cell) const
   {
@@ -316,7 +316,7 @@ enum class Inside { any_order, by_id };
 template <class Space, class Real>
 class CellGrid {
  public:
-  using Ints = Kokkos::View<int*, typename Space::memory_space>;
+  using Ints = Kokkos::View<int*, Space>;
 
   /// A grid for `count` discs of `model`, whose cells are wider than a diameter by three
   /// eighths at least, where the box is.
@@ -384,8 +384,8 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
         unsorted_cell(i) = c;
         rank(i) = fetch_add<Space>(start(c), 1);
       });
-  Kokkos::parallel_scan(
-      "ricochet::scan_cells", Range(space, 0, cells.count() + 1),
+  scan(
+      "ricochet::scan_cells", space, cells.count() + 1,
       KOKKOS_LAMBDA(int c, int& before, bool final) {
         int const here = start(c);
         if (final)

@@ -46,7 +46,7 @@ template <class Space, class Real>
 Totals totals(Space const& space, Discs<Space, Real> const& discs, Model const& model,
               Scales const& scales)
 {
-  Kokkos::View<Totals, typename Space::memory_space> result("ricochet::totals");
+  Kokkos::View<Totals, Space> result("ricochet::totals");
   Kokkos::parallel_reduce("ricochet::add_up", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
                           AddUp<Space, Real>{discs, model.gravity, -model.box.height / 2, scales},
                           Merge<Totals, Space>(result));
@@ -134,7 +134,7 @@ Discs<Space, Real> discs_from(Space const& space, DiscState const* in, int count
   if constexpr (shares_host_memory<Space>) {
     read_states(space, host, discs);
   } else {
-    Kokkos::View<DiscState*, typename Space::memory_space> const list("ricochet::states", count);
+    Kokkos::View<DiscState*, Space> const list("ricochet::states", count);
     Kokkos::deep_copy(list, host);
     read_states(space, list, discs);
   }
@@ -151,8 +151,7 @@ void copy_states(Space const& space, Discs<Space, Real> const& discs, DiscState*
     write_states(space, discs, host);
     space.fence();
   } else {
-    Kokkos::View<DiscState*, typename Space::memory_space> const list("ricochet::states",
-                                                                      discs.count());
+    Kokkos::View<DiscState*, Space> const list("ricochet::states", discs.count());
     write_states(space, discs, list);
     space.fence();
     Kokkos::deep_copy(host, list);

@@ -11,23 +11,24 @@ namespace ricochet {
 ///
 /// A disc's place in the arrays (its slot) is a matter of storage and changes when discs are sorted
 /// into cells; its id is its place in the initial state and never changes.
+///
+/// Here and elsewhere a View names its execution space and not only a memory, because Kokkos fills
+/// new memory by that space, and in the threads of others the default one of the host may not work.
 template <class Space, class Real>
 struct Discs {
-  using Memory = typename Space::memory_space;
-
   /// The arrays of positions and ids are longer than the number of discs by this, so that a kernel
   /// may read (and ignore) a few discs too many.
   static constexpr int padding = 8;
 
-  Kokkos::View<Real*, Memory> x, y, vx, vy;
-  Kokkos::View<int*, Memory> id;
+  Kokkos::View<Real*, Space> x, y, vx, vy;
+  Kokkos::View<int*, Space> id;
 
   Discs() = default;
   explicit Discs(int count)
     : x("ricochet::x", count + padding),
       y("ricochet::y", count + padding),
-      vx(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vx", count)),
-      vy(uninitialised<Kokkos::View<Real*, Memory>>("ricochet::vy", count)),
+      vx(uninitialised<Kokkos::View<Real*, Space>>("ricochet::vx", count)),
+      vy(uninitialised<Kokkos::View<Real*, Space>>("ricochet::vy", count)),
       id("ricochet::id", count + padding)
   {
   }

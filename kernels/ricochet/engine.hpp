@@ -29,7 +29,7 @@ enum class Precision { single_, double_ };
 /// Where the kernels run.
 enum class Placement {
   automatic, ///< the default backend, or one thread where more would not pay
-  serial,    ///< one thread of the host
+  serial,    ///< one thread of the host, which may be another for each engine at the same time
   parallel   ///< the default backend, whatever the size
 };
 

@@ -244,7 +244,7 @@ class EventDriven : public Engine {
 
   void require_separate_discs(Precision precision);
 
-  Space space_;
+  Space space_ = own_instance<Space>();
   Model model_;
   double dt_;
   AnyLaw<Real> law_;
@@ -258,8 +258,8 @@ class EventDriven : public Engine {
   BooksView<Space> part_; ///< of one kernel
   // Results of kernels. Allocated once: the host's default backend, not this engine's, would fill
   // new ones.
-  Kokkos::View<Extremes, typename Space::memory_space> extremes_;
-  Kokkos::View<Outcome<Real>, typename Space::memory_space> outcome_;
+  Kokkos::View<Extremes, Space> extremes_;
+  Kokkos::View<Outcome<Real>, Space> outcome_;
   double max_overlap_ = 0, max_outside_ = 0;
   std::int64_t windows_ = 0;
   double remaining_ = 0;       ///< of the present step

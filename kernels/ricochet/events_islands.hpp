@@ -21,8 +21,8 @@ struct NeighbourLists {
   static constexpr int longest = 16; ///< discs with more neighbours have no list; they search
   static constexpr int unknown = -1; ///< number of neighbours before the first search
 
-  Kokkos::View<int* [longest], typename Space::memory_space> slot;
-  Kokkos::View<int*, typename Space::memory_space> count;
+  Kokkos::View<int* [longest], Space> slot;
+  Kokkos::View<int*, Space> count;
 
   explicit NeighbourLists(int n)
     : slot(uninitialised<decltype(slot)>("ricochet::neighbours", n)),
@@ -75,9 +75,8 @@ struct Outcome {
 /// All memory of the windows, by slot unless it says otherwise.
 template <class Space, class Real>
 struct WindowMemory {
-  using Memory = typename Space::memory_space;
   template <class Value>
-  using List = Kokkos::View<Value*, Memory>;
+  using List = Kokkos::View<Value*, Space>;
 
   List<Flight<Real>> flights;         ///< as the window begins
   List<Prediction<Real>> predictions; ///< how those flights end; may be void, never too late
@@ -98,7 +97,7 @@ struct WindowMemory {
     int log = 0;     ///< entries of the log, or more if it is too short
     int joints = 0;  ///< pairs in this pass that join islands
   };
-  Kokkos::View<Counts, Memory> counts;
+  Kokkos::View<Counts, Space> counts;
 
   explicit WindowMemory(int n)
     : flights("ricochet::flights", n),

@@ -121,7 +121,7 @@ class FixedStep : public Engine {
 
   void note_warnings(EngineKind engine);
 
-  Space space_;
+  Space space_ = own_instance<Space>();
   Model model_;
   double dt_;
   Real diameter_;

@@ -10,7 +10,7 @@ namespace ricochet {
 /// Woll 1991 (doi 10.1145/103418.103458): a root is linked below a lower one by compare-and-swap.
 template <class Space>
 struct Forest {
-  Kokkos::View<int*, typename Space::memory_space> parent;
+  Kokkos::View<int*, Space> parent;
 
   explicit Forest(int nodes)
     : parent(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::forest"), nodes)
@@ -56,7 +56,7 @@ struct Forest {
 /// Lists of slots, one a node, that any number of threads may append to.
 template <class Space>
 struct Chains {
-  using Ints = Kokkos::View<int*, typename Space::memory_space>;
+  using Ints = Kokkos::View<int*, Space>;
   static constexpr int none = -1;
 
   Ints first; ///< of each node's list, or none

@@ -45,6 +45,59 @@ template <class Space>
 constexpr bool one_at_a_time = false;
 #endif
 
+/// A work item that adds nothing.
+struct Nothing {
+  KOKKOS_INLINE_FUNCTION void operator()(int, int&) const {}
+};
+
+/// An instance of `Space` for an engine: engines of one thread each may work at the same time if
+/// each is used by a thread of its own.
+template <class Space>
+Space own_instance()
+{
+  if constexpr (one_at_a_time<Space>) {
+#if KOKKOS_VERSION >= 40100
+    return Kokkos::Experimental::partition_space(Space(), 1)[0]; // kernels of one take turns
+#else
+    // Reductions look at the memory that all share, and would make it where it is too small.
+    static bool const is_made = [] {
+      int sum = 0;
+      Kokkos::parallel_reduce("ricochet::make_scratch", Kokkos::RangePolicy<Space>(0, 0), Nothing{},
+                              sum);
+      return true;
+    }();
+    static_cast<void>(is_made);
+#endif
+  }
+  return Space();
+}
+
+/// Calls body(i, before, true) for i = 0...count - 1 in order.
+template <class Body>
+struct ScanInOrder {
+  Body body;
+  int count;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int) const
+  {
+    int before = 0;
+    for (int i = 0; i < count; ++i)
+      body(i, before, true);
+  }
+};
+
+/// Kokkos::parallel_scan of 0...count - 1 for bodies (int i, int& before, bool final). On one
+/// thread it does without the memory in which Kokkos 3.4 adds up for all instances.
+template <class Space, class Body>
+void scan(char const* label, Space const& space, int count, Body const& body)
+{
+  if constexpr (one_at_a_time<Space>)
+    Kokkos::parallel_for(label, Kokkos::RangePolicy<Space>(space, 0, 1),
+                         ScanInOrder<Body>{body, count});
+  else
+    Kokkos::parallel_scan(label, Kokkos::RangePolicy<Space>(space, 0, count), body);
+}
+
 /// Adds to a counter that the work items of a kernel on `Space` share; returns its value before.
 template <class Space>
 KOKKOS_INLINE_FUNCTION int fetch_add(int& counter, int increment)
@@ -121,10 +174,13 @@ class ProfilingRegion {
 /// The result stays in device memory, so that a step never waits for the host.
 template <class Value, class Space>
 class Merge {
+  // What all instances of a host backend share in Kokkos 3.4 has so many bytes from the start.
+  static_assert(sizeof(Value) <= 512, "own_instance() must make more scratch memory");
+
  public:
   using reducer = Merge;
   using value_type = Value;
-  using result_view_type = Kokkos::View<Value, typename Space::memory_space>;
+  using result_view_type = Kokkos::View<Value, Space>;
 
   explicit Merge(result_view_type const& result) : result_(result) {}
 

@@ -36,18 +36,16 @@ struct Pushes {
 /// The pushes of a pair step, by slot, and a list of the discs that were pushed far.
 template <class Space>
 struct PushLog {
-  using Memory = typename Space::memory_space;
-
-  Kokkos::View<Pushes*, Memory> pushes;
-  Kokkos::View<char*, Memory> is_far; ///< or was, before it was taken back
-  Kokkos::View<int*, Memory> far;     ///< those discs, each once
-  Kokkos::View<int, Memory> far_count;
+  Kokkos::View<Pushes*, Space> pushes;
+  Kokkos::View<char*, Space> is_far; ///< or was, before it was taken back
+  Kokkos::View<int*, Space> far;     ///< those discs, each once
+  Kokkos::View<int, Space> far_count;
   float far_from; ///< the path from which on they are [length]
 
   PushLog(int discs, double far_path)
     : pushes("ricochet::pushes", discs),
       is_far("ricochet::is_far", discs),
-      far(uninitialised<Kokkos::View<int*, Memory>>("ricochet::pushed_far", discs)),
+      far(uninitialised<Kokkos::View<int*, Space>>("ricochet::pushed_far", discs)),
       far_count("ricochet::pushed_far_count"),
       far_from(static_cast<float>(far_path))
   {
@@ -80,8 +78,8 @@ struct PushLog {
 template <class Space, class Real, class LawType, bool periodic>
 struct OrderedContact {
   PairState<Space, Real, periodic> state;
-  Kokkos::View<Tally*, typename Space::memory_space> tally;
-  Kokkos::View<char*, typename Space::memory_space> takes_part; ///< whether it does, by slot
+  Kokkos::View<Tally*, Space> tally;
+  Kokkos::View<char*, Space> takes_part; ///< whether it does, by slot
   LawType law;
 
   /// Copies a disc that is to take part.

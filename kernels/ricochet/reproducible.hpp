@@ -20,8 +20,8 @@ namespace ricochet {
 /// The inputs come from memory, so that nothing is folded at compile time.
 template <class Real, class Space>
 struct ContractionProbe {
-  Kokkos::View<Real[3], typename Space::memory_space> in;
-  Kokkos::View<Real[3], typename Space::memory_space> out;
+  Kokkos::View<Real[3], Space> in;
+  Kokkos::View<Real[3], Space> out;
 
   KOKKOS_INLINE_FUNCTION void operator()(int) const
   {

@@ -117,8 +117,8 @@ class OrderedPairs {
   Execution execution_;
   Strays<Space> strays_;
   Islands<Space> islands_;
-  Kokkos::View<Tally*, typename Space::memory_space> tally_;     ///< all zero between steps
-  Kokkos::View<char*, typename Space::memory_space> takes_part_; ///< and this too
+  Kokkos::View<Tally*, Space> tally_;     ///< all zero between steps
+  Kokkos::View<char*, Space> takes_part_; ///< and this too
   Rounds<Space, Real> rounds_;
   BooksView<Space> part_;
   int pause_ = 0, steps_to_pause_ = 0;

@@ -9,7 +9,7 @@ namespace ricochet {
 /// cell they are in now.
 template <class Space>
 struct Strays {
-  using Ints = Kokkos::View<int*, typename Space::memory_space>;
+  using Ints = Kokkos::View<int*, Space>;
   static constexpr int not_astray = -2, none = -1;
 
   Ints first; ///< in each cell, or none
@@ -17,7 +17,7 @@ struct Strays {
   Ints cell;  ///< which list that is
   Ints slot_of_id;
   /// Whether there ever was one in each cell or around it.
-  Kokkos::View<char*, typename Space::memory_space> near;
+  Kokkos::View<char*, Space> near;
 
   template <class Real>
   explicit Strays(CellGrid<Space, Real> const& grid)

@@ -11,7 +11,7 @@ namespace ricochet {
 /// disc is an island of its own, and nothing is noted.
 template <class Space>
 struct Islands {
-  using Ints = Kokkos::View<int*, typename Space::memory_space>;
+  using Ints = Kokkos::View<int*, Space>;
 
   /// What the host must know to go on.
   struct Counts {
@@ -29,7 +29,7 @@ struct Islands {
   Ints is_wrong;         ///< whether a node is in it
   Ints crowd;            ///< discs of the crowd
   PushLog<Space> pushes;
-  Kokkos::View<Counts, typename Space::memory_space> counts;
+  Kokkos::View<Counts, Space> counts;
 
   Islands(int discs, double far_path)
     : forest(discs + 1),
@@ -315,7 +315,7 @@ struct Verify {
 template <class Space, class Real, bool periodic, class Pairs>
 struct VerifyListed {
   Verify<Space, Real, periodic, Pairs> verify;
-  Kokkos::View<int*, typename Space::memory_space> list;
+  Kokkos::View<int*, Space> list;
 
   KOKKOS_INLINE_FUNCTION void operator()(int k) const { verify(list(k)); }
 };
@@ -331,7 +331,7 @@ struct VerifyFar {
 /// Takes back what was done to a disc in this pair step.
 template <class Space>
 struct TakeBack {
-  Kokkos::View<Tally*, typename Space::memory_space> tally;
+  Kokkos::View<Tally*, Space> tally;
   PushLog<Space> pushes;
 
   KOKKOS_INLINE_FUNCTION void operator()(int slot) const

@@ -15,8 +15,7 @@ namespace ricochet {
 /// Pairs of discs, and each disc's partners in them in the order of their ids.
 template <class Space>
 struct PairLists {
-  using Memory = typename Space::memory_space;
-  using Ints = Kokkos::View<int*, Memory>;
+  using Ints = Kokkos::View<int*, Space>;
   static constexpr int none = -1;
 
   /// What the host must know to go on.
@@ -25,14 +24,14 @@ struct PairLists {
     int active[2] = {0, 0}; ///< in each list of those that have pairs to go
   };
 
-  Kokkos::View<int* [2], Memory> pairs; ///< slots; a pair may occur twice
-  Ints partner;                         ///< begin(s) ... end(s) - 1 are those of disc s, each once
+  Kokkos::View<int* [2], Space> pairs; ///< slots; a pair may occur twice
+  Ints partner;                        ///< begin(s) ... end(s) - 1 are those of disc s, each once
   Ints begin, end;
   Ints next;      ///< of each disc, entry of the partner whose turn it is
   Ints points_at; ///< that partner as of this round, or none
   Ints members;
   Ints active[2];
-  Kokkos::View<Counts, Memory> counts;
+  Kokkos::View<Counts, Space> counts;
 
   PairLists() = default;
   explicit PairLists(int discs)
@@ -292,9 +291,8 @@ void Rounds<Space, Real>::list_partners(Space const& space,
         fetch_add<Space>(lists.begin(lists.pairs(p, 0)), 1);
         fetch_add<Space>(lists.begin(lists.pairs(p, 1)), 1);
       });
-  Kokkos::parallel_scan(
-      "ricochet::scan_partners", Range(space, 0, n + 1),
-      KOKKOS_LAMBDA(int slot, int& before, bool final) {
+  scan(
+      "ricochet::scan_partners", space, n + 1, KOKKOS_LAMBDA(int slot, int& before, bool final) {
         int const here = lists.begin(slot);
         if (final) {
           lists.begin(slot) = before;

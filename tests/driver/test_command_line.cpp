@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"compare", "a", "b", "--tolerance", "-1"},
                 "--tolerance: found -1 (allowed: a decimal number >= 0)"},
         BadCall{{"info", "a", "--kokkos-threads=2"},
-                "--kokkos-threads=2: only `ricochet run` and `ricochet render` start Kokkos"}));
+                "--kokkos-threads=2: only `ricochet run`, `ensemble` and `render` start Kokkos"}));
 
 TEST(CommandLine, TheOriginalsWordForTheAnimationIsKnown)
 {

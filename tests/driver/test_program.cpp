@@ -383,5 +383,32 @@ TEST(Program, ALogAsJsonIsAnObjectALine)
   EXPECT_EQ(ricochet({"run", s, "--log-format", "xml"}).code, 64);
 }
 
+// The last lines of a log say what came out and how it ended, for programs to find.
+TEST(Program, ALogEndsWithItsResultAndItsExitCode)
+{
+  Folder const folder;
+  auto const s = folder.write("s.csv", "0,0,1,1\n50,0,-1,0\n");
+  auto const last_lines = [](std::string const& log) {
+    std::size_t const end = log.rfind('\n', log.size() - 2);
+    std::size_t const start = log.rfind('\n', end - 1);
+    return std::pair(log.substr(start + 1, end - start - 1), log.substr(end + 1));
+  };
+  Outcome const done = ricochet({"run", s, "--steps", "5", "--json", folder / "s.json"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  auto const [result, end] = last_lines(done.err);
+  EXPECT_NE(result.find("INFO result steps=5 "), std::string::npos) << done.err;
+  EXPECT_NE(result.find(" disc_steps_per_second="), std::string::npos) << done.err;
+  EXPECT_NE(result.find("s.json"), std::string::npos) << done.err;
+  EXPECT_NE(end.find("INFO end code=0"), std::string::npos) << done.err;
+
+  ProcessOptions late;
+  late.environment = {"RICOCHET_STOP_AT=1"};
+  Outcome const stopped = ricochet({"run", s, "--checkpoint", folder / "s.chk.h5"}, late);
+  EXPECT_EQ(stopped.code, 75) << stopped.err;
+  EXPECT_NE(last_lines(stopped.err).second.find("INFO end code=75"), std::string::npos)
+      << stopped.err;
+  EXPECT_EQ(ricochet({"run", s, "--steps", "5", "--quiet"}).err, "") << "no log, no end";
+}
+
 } // namespace
 } // namespace ricochet::test

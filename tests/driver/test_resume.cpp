@@ -217,6 +217,59 @@ TEST(Batch, OutputsOfAnotherRunAreRefused)
   EXPECT_TRUE(contains(TrajectoryReader(job.trajectory()).text("identity"), "dt = 0.01"));
 }
 
+// The summary of a finished run must not vouch for a trajectory that was begun anew.
+TEST(Batch, ACheckpointGoesWithTheTrajectoryThatIsReplaced)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "20"});
+  for (int times = 0; times < 2; ++times)
+    ASSERT_EQ(ricochet(job.resume() + Arguments{"--force"}).code, 0);
+  ASSERT_EQ(folder.names().size(), 5u) << "with the checkpoint and the one before it";
+  std::string const other = folder.write("other.chk.h5", "no checkpoint");
+  ASSERT_EQ(ricochet(job.run() + Arguments{"--force"}).code, 0);
+  EXPECT_EQ(folder.names(), (Arguments{"other.chk.h5", "t.csv", "t.h5md", "t.json"}));
+  Job const beside{folder, "other", job.scene};
+  ASSERT_EQ(ricochet(beside.run() + Arguments{"--force"}).code, 0);
+  EXPECT_EQ(text_of(other), "no checkpoint") << "what is not ours stays";
+}
+
+TEST(Batch, ACheckpointThatCountsMoreFramesThanThereAreIsRefused)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "20", "--every", "2"});
+  Job const other{folder, "other", job.scene};
+  ASSERT_EQ(ricochet(job.resume()).code, 0);
+  ProcessOptions late;
+  late.environment = {"RICOCHET_STOP_AT=1"};
+  ASSERT_EQ(ricochet(other.resume(), late).code, 75);
+  std::filesystem::rename(other.trajectory(), job.trajectory());
+  Outcome const refused = ricochet(job.resume());
+  EXPECT_EQ(refused.code, 73) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "of the 11 frames that it counts")) << refused.err;
+}
+
+TEST(Batch, InfoTellsWhatACheckpointIsOf)
+{
+  Folder const folder;
+  Job const job = small_job(folder, {"--steps", "20", "--every", "2"});
+  ProcessOptions late;
+  late.environment = {"RICOCHET_STOP_AT=1"};
+  ASSERT_EQ(ricochet(job.resume(), late).code, 75);
+  std::string const step = std::to_string(job.step());
+  Outcome const unfinished = ricochet({"info", job.checkpoint()});
+  EXPECT_EQ(unfinished.code, 0) << unfinished.err;
+  EXPECT_TRUE(contains(unfinished.out, "\nstep        " + step + "\n")) << unfinished.out;
+  EXPECT_TRUE(contains(unfinished.out, "\nunfinished")) << unfinished.out;
+  EXPECT_TRUE(contains(ricochet({"info", job.checkpoint(), "--json", "-"}).out,
+                       "\"step\": " + step + ",\n"));
+  ASSERT_EQ(ricochet(job.resume()).code, 0);
+  Outcome const finished = ricochet({"info", job.checkpoint()});
+  EXPECT_TRUE(contains(finished.out, "\nfinished\n")) << finished.out;
+  EXPECT_TRUE(contains(finished.out, "state hash")) << finished.out;
+  std::filesystem::resize_file(job.checkpoint(), 100);
+  EXPECT_EQ(ricochet({"info", job.checkpoint()}).code, 65);
+}
+
 TEST(Batch, OtherDiscsAreAnotherRun)
 {
   Folder const folder;
@@ -270,6 +323,45 @@ TEST(Batch, AJobGoesOnWhenThereIsRoomAgain)
     expect_equal_results(job, whole);
   }
   EXPECT_GT(went_on, 1);
+}
+
+// Steps are taken to know how long they take; the run must not know of them.
+TEST(Compression, ThatIsLeftToTheProgramChangesNothingButTheFile)
+{
+  Folder const folder;
+  for (std::string const engine : {"sweep", "events"}) {
+    Arguments const gas{write_gas(folder), "-q", "--engine", engine};
+    Job const automatic{folder, "auto_" + engine, gas};
+    Job const none{folder, "none_" + engine, gas + Arguments{"--compress", "none"}};
+    ASSERT_EQ(ricochet(automatic.run()).code, 0);
+    ASSERT_EQ(ricochet(none.run()).code, 0);
+    ASSERT_GT(std::filesystem::file_size(none.trajectory()), 16e6) << "or nothing is measured";
+    expect_equal_results(automatic, none);
+  }
+}
+
+TEST(Compression, IsDoneWhereItsTimeIsNothingBesideThatOfTheSteps)
+{
+  Folder const folder;
+  Arguments const gas{scene("gas_2000.csv"), scene("gas_2000.config.csv"), "-q", "--steps",
+                      "1000000000"};
+  struct {
+    std::string every;
+    bool compressed;
+  } const cases[] = {{"1", false}, {"1000000", true}}; // a frame takes about a hundred steps
+  for (auto const& at : cases) {
+    Job const job{folder, "t" + at.every, gas + Arguments{"--every", at.every}};
+    for (int parts = 0; parts < 2; ++parts) { // a run that goes on keeps the filter of its file
+      std::int64_t const before = job.step();
+      Process run(job.resume());
+      ASSERT_TRUE(eventually(run, [&] { return job.step() > before; }));
+      run.send(SIGTERM);
+      ASSERT_EQ(run.wait().code, 75);
+      TrajectoryReader const file(job.trajectory());
+      EXPECT_EQ(file.is_compressed("position"), at.compressed) << at.every;
+      EXPECT_EQ(file.is_compressed("velocity"), at.compressed) << at.every;
+    }
+  }
 }
 
 TEST(Batch, TwoJobsOnOneOutputAreRefused)

@@ -85,12 +85,5 @@ TEST(Scene, FramesAreEveryKthAndTheLast)
   EXPECT_EQ(planned_frames(3, 100), 2);
 }
 
-TEST(Scene, CompressionIsLeftToFilesWhereItHidesBehindTheSteps)
-{
-  EXPECT_FALSE(worth_compressing(2000, 2701, 1));
-  EXPECT_FALSE(worth_compressing(100, 10, 1000));
-  EXPECT_TRUE(worth_compressing(100000, 100, 1000));
-}
-
 } // namespace
 } // namespace ricochet::driver
