@@ -306,7 +306,7 @@ void for_numbers(Json const& json, std::string const& name, Use const& use)
 {
   if (json.is_structured())
     for (auto const& [key, value] : json.items())
-      for_numbers(value, name.empty() ? key : name + "." + key, use);
+      for_numbers(value, name.empty() ? key : fmt::format("{}.{}", name, key), use);
   else if (name.rfind("warnings.", 0) != 0)
     use(name, json);
 }
@@ -325,8 +325,10 @@ std::string as_cell(std::string const& text)
 std::string as_row(std::vector<std::string> const& cells)
 {
   std::string row;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    row += (i == 0 ? "" : ",") + as_cell(cells[i]);
+  for (std::string const& cell : cells) {
+    row += row.empty() ? "" : ",";
+    row += as_cell(cell);
+  }
   return row + "\n";
 }
 
