@@ -30,7 +30,7 @@ namespace {
 using namespace ricochet;
 using namespace ricochet::driver;
 
-constexpr int rounds = 7;
+constexpr int rounds = 5;
 
 template <class Work>
 double seconds(Work const& work)
@@ -162,6 +162,7 @@ void compare_stepping(std::string const& folder, int discs, std::int64_t stride)
 int main(int argc, char** argv)
 {
   Kokkos::ScopeGuard const kokkos(argc, argv);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0); // a row is told when it is measured
   std::vector<std::string> folders(argv + 1, argv + argc);
   if (folders.empty()) {
     std::fprintf(stderr, "usage: bench_output FOLDER...\n");
