@@ -128,7 +128,7 @@ constexpr SettingOption run_settings[] = {
      "What frames hold: position or position,velocity (default)"},
     {"--compress", "output.compress", "HOW", "auto (default), none or deflate"},
     {"--engine", "run.engine", "NAME",
-     "sweep or simultaneous; scenes in CSV take sweep by themselves"},
+     "sweep, simultaneous, toi or events; scenes in CSV take sweep by themselves"},
     {"--precision", "run.precision", "NAME", "double (default) or single"},
     {"--law", "contact.law", "NAME", "Contact law: swap_scale (default) or restitution"},
     {"--dt", "run.dt", "DT", "Length of a step (default 1/45)"},

@@ -99,7 +99,9 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
   std::vector<std::string> const discs{"discs.states", "discs.generate.count",
                                        "discs.generate.packing_fraction"};
 
-  bool const exact = scene.method.engine == EngineKind::events; // whatever the step
+  EngineKind const engine = scene.method.engine;
+  bool const exact = engine == EngineKind::events; // whatever the step
+  bool const looks_once = engine == EngineKind::sweep || engine == EngineKind::simultaneous;
   Overlaps const overlaps = find_overlaps(scene.model, scene.discs);
   if (overlaps.pairs > 0)
     doubt(
@@ -110,17 +112,17 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
   if (overlaps.outside > 0)
     doubt(discs, fmt::format("{} discs poke through a wall", overlaps.outside),
           "--relax moves them inside");
-  if (!exact && o.step_in_radii > 1)
+  if (looks_once && o.step_in_radii > 1)
     doubt(step,
           fmt::format("the fastest disc{} moves {:.3g} radii in a step (beyond 1 discs may pass "
                       "through each other)",
                       scene.model.gravity != 0 ? ", after a fall through the box," : "",
                       o.step_in_radii),
           fmt::format("dt = {:.2g} makes it 0.2", 0.2 * dt / o.step_in_radii));
-  else if (!exact && o.step_in_sizes > 0.02)
+  else if (looks_once && o.step_in_sizes > 0.02)
     doubt(step,
           fmt::format("a thermal disc moves {:.2g} diameters in a step (contacts found late make "
-                      "the discs of a fixed-step engine about {:.1g} % too small)",
+                      "the discs of this engine about {:.1g} % too small)",
                       o.step_in_sizes, 70 * o.step_in_sizes),
           fmt::format("dt = {:.2g} makes it 0.01", 0.01 * dt / o.step_in_sizes));
   if (o.packing > densest_packing)

@@ -17,9 +17,9 @@ namespace {
 
 using namespace ricochet;
 
-/// A gas at q = thermal speed x dt / diameter = 0.1 with gravity and dissipation.
+/// A gas at q = thermal speed x dt / diameter with gravity and dissipation.
 /// Arguments: discs, packing fraction in percent, placement.
-void steps(benchmark::State& state, EngineKind engine, Precision precision,
+void steps(benchmark::State& state, EngineKind engine, Precision precision, double q = 0.1,
            Execution execution = Execution::automatic)
 {
   Contact contact;
@@ -30,7 +30,7 @@ void steps(benchmark::State& state, EngineKind engine, Precision precision,
   Method method;
   method.engine = engine;
   method.precision = precision;
-  method.dt = 0.1 * 2 * scene.model.radius / scene.thermal_speed;
+  method.dt = q * 2 * scene.model.radius / scene.thermal_speed;
   method.placement = static_cast<Placement>(state.range(2));
   method.execution = execution;
   auto const simulation = make_engine(scene.model, method, scene.discs);
@@ -179,10 +179,15 @@ BENCHMARK(collisions_of_reference)->Name("collisions/reference_double")->Apply([
 });
 
 BENCHMARK_CAPTURE(steps, sweep_double, EngineKind::sweep, Precision::double_)->Apply(sizes);
-BENCHMARK_CAPTURE(steps, sweep_in_order_double, EngineKind::sweep, Precision::double_,
+BENCHMARK_CAPTURE(steps, sweep_in_order_double, EngineKind::sweep, Precision::double_, 0.1,
                   Execution::in_order)
     ->Apply(sizes);
 BENCHMARK_CAPTURE(steps, sweep_single, EngineKind::sweep, Precision::single_)->Apply(sizes);
+BENCHMARK_CAPTURE(steps, toi_double, EngineKind::toi, Precision::double_)->Apply(sizes);
+BENCHMARK_CAPTURE(steps, toi_double_q_0_02, EngineKind::toi, Precision::double_, 0.02)
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(steps, toi_single_q_0_02, EngineKind::toi, Precision::single_, 0.02)
+    ->Apply(sizes);
 BENCHMARK_CAPTURE(steps, simultaneous_double, EngineKind::simultaneous, Precision::double_)
     ->Apply(sizes);
 

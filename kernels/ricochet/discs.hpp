@@ -16,8 +16,8 @@ namespace ricochet {
 /// new memory by that space, and in the threads of others the default one of the host may not work.
 template <class Space, class Real>
 struct Discs {
-  /// The arrays of positions and ids are longer than the number of discs by this, so that a kernel
-  /// may read (and ignore) a few discs too many.
+  /// The arrays are longer than the number of discs by this, so that a kernel may read (and ignore)
+  /// a few discs too many.
   static constexpr int padding = 8;
 
   Kokkos::View<Real*, Space> x, y, vx, vy;
@@ -27,13 +27,14 @@ struct Discs {
   explicit Discs(int count)
     : x("ricochet::x", count + padding),
       y("ricochet::y", count + padding),
-      vx(uninitialised<Kokkos::View<Real*, Space>>("ricochet::vx", count)),
-      vy(uninitialised<Kokkos::View<Real*, Space>>("ricochet::vy", count)),
-      id("ricochet::id", count + padding)
+      vx("ricochet::vx", count + padding),
+      vy("ricochet::vy", count + padding),
+      id("ricochet::id", count + padding),
+      count_(count)
   {
   }
 
-  KOKKOS_INLINE_FUNCTION int count() const { return static_cast<int>(vx.extent(0)); }
+  KOKKOS_INLINE_FUNCTION int count() const { return count_; }
 
   KOKKOS_INLINE_FUNCTION Vec2<Real> position(int slot) const { return {x(slot), y(slot)}; }
   KOKKOS_INLINE_FUNCTION Vec2<Real> velocity(int slot) const { return {vx(slot), vy(slot)}; }
@@ -48,6 +49,9 @@ struct Discs {
     vx(slot) = v.x;
     vy(slot) = v.y;
   }
+
+ private:
+  int count_ = 0;
 };
 
 } // namespace ricochet

@@ -14,6 +14,10 @@ namespace ricochet {
 template <class Real, bool periodic>
 class Domain {
  public:
+  static constexpr bool wraps = periodic;
+
+  /// The plane.
+  KOKKOS_INLINE_FUNCTION Domain() {}
   explicit Domain(Box const& box)
   {
     if (box.x == Boundary::periodic)

@@ -20,6 +20,7 @@ namespace ricochet {
 enum class EngineKind {
   sweep,        ///< the original's sequential model, fixed step
   simultaneous, ///< the original's parallel variant, fixed step; gains energy
+  toi,          ///< fixed step, second order: contacts at their time of impact inside the step
   events        ///< exact: every collision at its time; a step is only the distance of frames
 };
 

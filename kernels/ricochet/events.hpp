@@ -6,6 +6,7 @@
 
 #include "ricochet/checkpoint.hpp"
 #include "ricochet/events_islands.hpp"
+#include "ricochet/inspection.hpp"
 #include "ricochet/reproducible.hpp"
 #include "ricochet/run_books.hpp"
 
@@ -52,8 +53,7 @@ class EventDriven : public Engine {
   {
     return [this](auto const& visit) {
       books_.visit_numbers(space_, visit);
-      visit("deepest_overlap", max_overlap_);
-      visit("farthest_outside", max_outside_);
+      inspection_.visit_numbers(visit);
       visit("windows", windows_);
       visit("window", window_);
       visit("largest_island", largest_island_);
@@ -187,22 +187,6 @@ class EventDriven : public Engine {
   template <bool periodic>
   void dissolve_islands(Window<Space, Real, periodic> const& window);
 
-  template <bool periodic>
-  double closest_pair();
-
-  /// Fastest disc and farthest excursion of a state.
-  struct Extremes {
-    double speed2 = 0;
-    double outside = 0; ///< beyond a wall [diameters]
-
-    KOKKOS_INLINE_FUNCTION void merge(Extremes const& other)
-    {
-      speed2 = other.speed2 > speed2 ? other.speed2 : speed2;
-      outside = other.outside > outside ? other.outside : outside;
-    }
-  };
-  Extremes extremes();
-
  private:
   template <bool periodic>
   bool give_up(Window<Space, Real, periodic>& window, Real new_end)
@@ -226,13 +210,6 @@ class EventDriven : public Engine {
     return value_after(space_, memory_.counts);
   }
 
-  void note_extremes(Extremes const& extremes, double closest)
-  {
-    double const diameter = 2 * model_.radius;
-    max_overlap_ = std::max(max_overlap_, (diameter - closest) / diameter);
-    max_outside_ = std::max(max_outside_, extremes.outside);
-  }
-
   static double best_skin(Model const& model, int discs);
 
   /// A model whose grid has cells as wide as neighbours are looked for.
@@ -241,8 +218,6 @@ class EventDriven : public Engine {
     model.radius += skin / 2;
     return model;
   }
-
-  void require_separate_discs(Precision precision);
 
   Space space_ = own_instance<Space>();
   Model model_;
@@ -258,9 +233,8 @@ class EventDriven : public Engine {
   BooksView<Space> part_; ///< of one kernel
   // Results of kernels. Allocated once: the host's default backend, not this engine's, would fill
   // new ones.
-  Kokkos::View<Extremes, Space> extremes_;
+  Inspection<Space, Real> inspection_;
   Kokkos::View<Outcome<Real>, Space> outcome_;
-  double max_overlap_ = 0, max_outside_ = 0;
   std::int64_t windows_ = 0;
   double remaining_ = 0;       ///< of the present step
   double window_ = 0;          ///< length that the next window should have
@@ -281,76 +255,15 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
     memory_(discs_.count()),
     books_(model, method.dt, initial),
     part_("ricochet::part_of_books"),
-    extremes_("ricochet::extremes"),
+    inspection_(model),
     outcome_("ricochet::outcome")
 {
   require_no_contraction(space_);
   if (is_periodic(model_.box))
     wrap_all(space_, discs_, Domain<Real, true>(model_.box));
   books_.begin(space_, discs_);
-  require_separate_discs(method.precision);
+  inspection_.require_separate(space_, grid_, discs_, method);
   window_ = dt_;
-}
-
-template <class Space, class Real>
-void EventDriven<Space, Real>::require_separate_discs(Precision precision)
-{
-  // What rounding can leave of a valid state, and no more.
-  double const tolerance = precision == Precision::double_ ? 1e-9 : 1e-4;
-  double const fastest = precision == Precision::double_ ? 1e70 : 1e12;
-  auto const found = extremes();
-  note_extremes(found, is_periodic(model_.box) ? closest_pair<true>() : closest_pair<false>());
-  std::string problem;
-  if (max_overlap_ > tolerance)
-    problem += "\n  discs overlap, by up to " + std::to_string(max_overlap_) + " diameters";
-  if (max_outside_ > tolerance)
-    problem +=
-        "\n  discs reach beyond a wall, by up to " + std::to_string(max_outside_) + " diameters";
-  if (packing_fraction(model_, static_cast<std::size_t>(discs_.count())) > densest_packing)
-    problem += "\n  discs cover more of the box than is possible without overlaps, 90.69 %";
-  if (!(found.speed2 < fastest * fastest))
-    problem += "\n  a disc is faster than its collisions can be computed";
-  if (!problem.empty())
-    throw std::invalid_argument("engine events cannot simulate this scene:" + problem);
-}
-
-template <class Space, class Real>
-typename EventDriven<Space, Real>::Extremes EventDriven<Space, Real>::extremes()
-{
-  auto const discs = discs_;
-  Outside const outside(model_);
-  Kokkos::parallel_reduce(
-      "ricochet::find_extremes", Range(space_, 0, discs.count()),
-      KOKKOS_LAMBDA(int i, Extremes& found) {
-        auto const v = as<double>(discs.velocity(i));
-        Extremes own{dot(v, v)};
-        outside.enter(discs.position(i), own.outside);
-        found.merge(own);
-      },
-      Merge<Extremes, Space>(extremes_));
-  return value_after(space_, extremes_);
-}
-
-/// Distance of the closest pair of the present state if it overlaps, else a diameter.
-template <class Space, class Real>
-template <bool periodic>
-double EventDriven<Space, Real>::closest_pair()
-{
-  grid_.sort(space_, discs_, Inside::by_id);
-  auto const diameter = static_cast<Real>(2 * model_.radius);
-  auto const discs = discs_;
-  auto const cell = grid_.cell();
-  Neighbours<Space, Real, periodic> const neighbours(discs, grid_.cells(), model_.box);
-  Real closest2 = 0;
-  Kokkos::parallel_reduce(
-      "ricochet::find_closest_pair", Range(space_, 0, discs.count()),
-      KOKKOS_LAMBDA(int i, Real& least) {
-        neighbours.for_each_ahead(cell(i), i, diameter * diameter, [&](int, Vec2<Real> d) {
-          least = dot(d, d) < least ? dot(d, d) : least;
-        });
-      },
-      Kokkos::Min<Real>(closest2));
-  return std::min(std::sqrt(static_cast<double>(closest2)), static_cast<double>(diameter));
 }
 
 /// How far beyond contact neighbours are looked for. Farther means longer intervals, but more
@@ -415,7 +328,7 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
 {
   ProfilingRegion const region("ricochet::take_off");
   grid_.sort(space_, discs_, Inside::by_id);
-  auto const found = extremes();
+  auto const found = inspection_.extremes(space_, discs_);
   double const speed = std::sqrt(found.speed2), diameter = 2 * model_.radius;
   double const unit_speed = std::max(speed, std::sqrt(std::fabs(model_.gravity) * diameter));
   shortest_window_ = unit_speed > 0 ? 1e-6 * diameter / unit_speed : dt_;
@@ -435,7 +348,7 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
   Real closest2 = 0;
   Kokkos::parallel_reduce("ricochet::take_off", Range(space_, 0, discs_.count()),
                           TakeOff<Space, Real, periodic>{window}, Kokkos::Min<Real>(closest2));
-  note_extremes(found, std::sqrt(static_cast<double>(closest2)));
+  inspection_.note(found, std::sqrt(closest2));
   return window;
 }
 
@@ -550,11 +463,10 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
 template <class Space, class Real>
 Report EventDriven<Space, Real>::report()
 {
-  note_extremes(extremes(), is_periodic(model_.box) ? closest_pair<true>() : closest_pair<false>());
+  inspection_.look(space_, grid_, discs_);
   auto report = books_.report(space_, discs_);
   report.windows = windows_;
-  report.max_overlap = max_overlap_;
-  report.max_outside = max_outside_;
+  inspection_.enter(report);
   return report;
 }
 

@@ -138,6 +138,18 @@ struct Arena {
     return hit.due < end ? hit : nothing;
   }
 
+  /// Whether a flight from `p` with velocity `v` surely stays between the walls for a time. All are
+  /// in the lab.
+  KOKKOS_INLINE_FUNCTION bool misses_walls(Vec2<Real> p, Vec2<Real> v, Real time) const
+  {
+    Real const fall = gravity * time * time / 2;
+    Real const x = p.x + v.x * time, straight = p.y + v.y * time, y = straight - fall;
+    // Neither end of an arc is its highest point when it first rises, against the fall; the end
+    // without the fall is higher.
+    return fabs(x) < wall_x && fabs(y) < wall_y && fabs(straight) < wall_y && fabs(p.x) < wall_x &&
+           fabs(p.y) < wall_y;
+  }
+
   /// When a flight is farther than the allowance from `home`; later than the interval if it is not
   /// in it.
   KOKKOS_INLINE_FUNCTION Real leaving(Flight<Real> const& f, Vec2<Real> home) const
@@ -186,17 +198,6 @@ struct Arena {
  private:
   /// A disc that rounding has put beyond a wall is at it.
   KOKKOS_INLINE_FUNCTION static Real ahead(Real gap) { return gap > 0 ? gap : Real(0); }
-
-  /// Whether a flight from `p` with velocity `v` surely stays between the walls for a time.
-  KOKKOS_INLINE_FUNCTION bool misses_walls(Vec2<Real> p, Vec2<Real> v, Real time) const
-  {
-    Real const fall = gravity * time * time / 2;
-    Real const x = p.x + v.x * time, straight = p.y + v.y * time, y = straight - fall;
-    // Neither end of an arc is its highest point when it first rises, against the fall; the end
-    // without the fall is higher.
-    return fabs(x) < wall_x && fabs(y) < wall_y && fabs(straight) < wall_y && fabs(p.x) < wall_x &&
-           fabs(p.y) < wall_y;
-  }
 
   KOKKOS_INLINE_FUNCTION Real first_of_images(Vec2<Real> d, Vec2<Real> w, bool met,
                                               Real limit) const

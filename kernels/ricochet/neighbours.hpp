@@ -51,6 +51,17 @@ class Neighbours {
         cell, slot, [&](Runs const& runs) { for_each_in<2, false>(runs, p, reach2, 0, visit); });
   }
 
+  /// The same by any test of slots: visit(k) for every such pair (slot, k) that passes test(k),
+  /// which has no side effects and may be asked of any slot, and of some that do not exist.
+  /// `across_ends` may be false where no neighbour is across an end of a periodic box.
+  template <bool across_ends, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_ahead_that(int cell, int slot, Test const& test,
+                                                  Visit const& visit) const
+  {
+    cells_.template for_runs_ahead<across_ends>(
+        cell, slot, [&](Runs const& runs) { for_each_that<2>(runs, test, visit); });
+  }
+
   /// Calls visit(slot, separation) for every disc whose centre is closer to `p` than `reach`, which
   /// may be any distance, among the slots from `from` on. The discs must be where they were when
   /// they were sorted.
@@ -59,40 +70,57 @@ class Neighbours {
                                               int from = 0) const
   {
     Real const reach2 = reach * reach;
+    for_runs_near<periodic>(p, static_cast<double>(reach), from, [&](Runs const& runs) {
+      for_each_in<3, false>(runs, p, reach2, 0, visit);
+    });
+  }
+
+  /// Calls visit(k) for every disc among the slots from `from` on that passes test(k), as above,
+  /// and was closer to `p` than `reach` when the discs were sorted; and perhaps for some farther
+  /// ones.
+  template <bool across_ends, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_near_that(Vec2<Real> p, double reach, int from,
+                                                 Test const& test, Visit const& visit) const
+  {
+    for_runs_near<across_ends>(p, reach, from,
+                               [&](Runs const& runs) { for_each_that<3>(runs, test, visit); });
+  }
+
+ private:
+  /// Calls visit(runs) so that together the runs are the slots from `from` on of all cells with a
+  /// point closer than `reach` to `p`.
+  template <bool across_ends, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_runs_near(Vec2<Real> p, double reach, int from,
+                                            Visit const& visit) const
+  {
     Runs runs;
     int row = 0;
-    cells_.template for_blocks_near<periodic>(p, margin(static_cast<double>(reach)),
-                                              [&](int first, int last) {
-                                                int const begin = cells_.start(first);
-                                                runs.begin[row] = begin < from ? from : begin;
-                                                runs.end[row] = cells_.start(last + 1);
-                                                if (++row < 3)
-                                                  return;
-                                                for_each_in<3, false>(runs, p, reach2, 0, visit);
-                                                row = 0;
-                                              });
+    cells_.template for_blocks_near<across_ends>(p, margin(reach), [&](int first, int last) {
+      int const begin = cells_.start(first);
+      runs.begin[row] = begin < from ? from : begin;
+      runs.end[row] = cells_.start(last + 1);
+      if (++row < 3)
+        return;
+      visit(runs);
+      row = 0;
+    });
     if (row == 0)
       return;
     for (; row < 3; ++row)
       runs.begin[row] = runs.end[row] = 0;
-    for_each_in<3, false>(runs, p, reach2, 0, visit);
+    visit(runs);
   }
 
- private:
-  /// Visits the hits among the first `rows` runs, 2 or 3.
+  /// Visits those of the first `rows` runs, 2 or 3, that are near `p`.
   template <int rows, bool by_id, class Visit>
   KOKKOS_INLINE_FUNCTION void for_each_in(Runs const& runs, Vec2<Real> p, Real reach2, int above,
                                           Visit const& visit) const
   {
-    // The start of each run at once, and without a branch: what costs is mispredicted branches. The
-    // arrays are padded, so that so many can always be read. Written out for each run, or compilers
-    // do not find the vectors in it.
-    constexpr int width = Discs<Space, Real>::padding;
     Real const* const x = discs_.x.data();
     Real const* const y = discs_.y.data();
     int const* const id = discs_.id.data();
     auto const domain = domain_;
-    auto const near = [&](int k) {
+    auto const near = [=](int k) {
       auto const d = domain.separation(p, {x[k], y[k]});
       bool const close = dot(d, d) < reach2;
       if constexpr (by_id)
@@ -100,28 +128,39 @@ class Neighbours {
       else
         return close;
     };
+    for_each_that<rows>(runs, near, [&](int k) { visit(k, domain.separation(p, {x[k], y[k]})); });
+  }
+
+  /// Visits those of the first `rows` runs, 2 or 3, that pass a test.
+  template <int rows, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_that(Runs const& runs, Test const test,
+                                            Visit const& visit) const
+  {
+    // The start of each run at once, and without a branch: what costs is mispredicted branches. The
+    // arrays are padded, so that so many can always be read. Written out for each run, or compilers
+    // do not find the vectors in it.
+    constexpr int width = Discs<Space, Real>::padding;
     int const begin_0 = runs.begin[0], begin_1 = runs.begin[1];
     int const size_0 = runs.end[0] - begin_0, size_1 = runs.end[1] - begin_1;
     int const begin_2 = rows > 2 ? runs.begin[2] : 0, size_2 = rows > 2 ? runs.end[2] - begin_2 : 0;
     unsigned hits = 0;
 #pragma omp simd reduction(| : hits)
     for (int lane = 0; lane < width; ++lane) {
-      hits |= (near(begin_0 + lane) & (lane < size_0)) ? 1u << lane : 0u;
-      hits |= (near(begin_1 + lane) & (lane < size_1)) ? 1u << width << lane : 0u;
+      hits |= (test(begin_0 + lane) & (lane < size_0)) ? 1u << lane : 0u;
+      hits |= (test(begin_1 + lane) & (lane < size_1)) ? 1u << width << lane : 0u;
       if constexpr (rows > 2)
-        hits |= (near(begin_2 + lane) & (lane < size_2)) ? 1u << 2 * width << lane : 0u;
+        hits |= (test(begin_2 + lane) & (lane < size_2)) ? 1u << 2 * width << lane : 0u;
     }
     while (hits != 0) {
       int const bit = lowest_bit(hits);
       hits &= hits - 1;
-      int const k = runs.begin[bit / width] + bit % width;
-      visit(k, domain.separation(p, {x[k], y[k]}));
+      visit(runs.begin[bit / width] + bit % width);
     }
     if (size_0 > width || size_1 > width || size_2 > width)
       for (int row = 0; row < rows; ++row)
         for (int k = runs.begin[row] + width; k < runs.end[row]; ++k)
-          if (near(k))
-            visit(k, domain.separation(p, {x[k], y[k]}));
+          if (test(k))
+            visit(k);
   }
 
   Discs<Space, Real> discs_;

@@ -57,11 +57,18 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
 {
   require_valid(model, method, initial);
   bool const one_thread = prefers_one_thread(method.placement, initial.size());
-  bool const single = method.precision == Precision::single_;
-  auto const make = method.engine == EngineKind::events
-                        ? (single ? make_event_driven<float> : make_event_driven<double>)
-                        : (single ? make_fixed_step<float> : make_fixed_step<double>);
-  return make(model, method, initial, one_thread);
+  auto const make = [&](auto real) {
+    using Real = decltype(real);
+    switch (method.engine) {
+    case EngineKind::toi:
+      return make_time_of_impact<Real>(model, method, initial, one_thread);
+    case EngineKind::events:
+      return make_event_driven<Real>(model, method, initial, one_thread);
+    default:
+      return make_fixed_step<Real>(model, method, initial, one_thread);
+    }
+  };
+  return method.precision == Precision::single_ ? make(float{}) : make(double{});
 }
 
 char const* name(EngineKind engine)
@@ -71,6 +78,8 @@ char const* name(EngineKind engine)
     return "sweep";
   case EngineKind::simultaneous:
     return "simultaneous";
+  case EngineKind::toi:
+    return "toi";
   case EngineKind::events:
     return "events";
   }
@@ -90,7 +99,7 @@ char const* name(Precision precision)
 std::vector<EngineKind> const& engine_kinds()
 {
   static std::vector<EngineKind> const all{EngineKind::sweep, EngineKind::simultaneous,
-                                           EngineKind::events};
+                                           EngineKind::toi, EngineKind::events};
   return all;
 }
 

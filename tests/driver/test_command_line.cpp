@@ -193,8 +193,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"s.toml", "--dt", "0", "--law", "x"},
                 "--law: found 'x' (allowed: swap_scale, restitution)\n--dt: found 0 (allowed: a "
                 "decimal number > 0)"},
-        BadCall{{"s.toml", "--engine", "toi"},
-                "--engine: found 'toi' (allowed: sweep, simultaneous, events)"},
+        BadCall{{"s.toml", "--engine", "contacts"},
+                "--engine: found 'contacts' (allowed: sweep, simultaneous, toi, events)"},
         BadCall{{"generate", "s.toml", "--config", "-"},
                 "--output and --config both ask for standard output: give one of them a file"},
         BadCall{{"validate", "s.toml", "--engine", "sweep"},
@@ -223,9 +223,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "--duration: found -2 (allowed: a decimal number >= 0)"},
         BadCall{{"s.csv", "--threads", "0"},
                 "--threads: found 0 (allowed: an integer in 1...65536)"},
-        BadCall{
-            {"s.csv", "--engine", "swep"},
-            "--engine: found 'swep' (allowed: sweep, simultaneous, events) did you mean 'sweep'?"},
+        BadCall{{"s.csv", "--engine", "swep"},
+                "--engine: found 'swep' (allowed: sweep, simultaneous, toi, events) did you mean "
+                "'sweep'?"},
         BadCall{{"s.csv", "--law", "x"}, "--law: found 'x' (allowed: swap_scale, restitution)"},
         BadCall{{"s.csv", "--precision", "half"},
                 "--precision: found 'half' (allowed: double, single)"},

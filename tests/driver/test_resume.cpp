@@ -65,8 +65,8 @@ TEST_P(Resume, GivesTheResultOfTheRunThatWasNeverStopped)
 INSTANTIATE_TEST_SUITE_P(
     Engines, Resume,
     testing::Values(Kind{"sweep", "double", 1000}, Kind{"sweep", "single", 1000},
-                    Kind{"simultaneous", "double", 600}, Kind{"events", "double", 300},
-                    Kind{"events", "single", 300}),
+                    Kind{"simultaneous", "double", 600}, Kind{"toi", "double", 300},
+                    Kind{"events", "double", 300}, Kind{"events", "single", 300}),
     [](auto const& kind) { return kind.param.engine + "_" + kind.param.precision; });
 
 Job small_job(Folder const& folder, Arguments const& more = {})

@@ -231,13 +231,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"", "s.toml:1:1: found no discs (discs.states names a file of them; "
                  "discs.generate.count or packing_fraction makes them) add count = 100 below "
                  "[discs.generate]\ns.toml:1:1: found no run.engine (allowed: "
-                 "sweep, simultaneous, events) add engine = \"sweep\" below [run]"},
+                 "sweep, simultaneous, toi, events) add engine = \"sweep\" below [run]"},
         Case{SWEEP,
              "s.toml:1:1: found no discs (discs.states names a file of them; discs.generate.count "
              "or packing_fraction makes them) add count = 100 below [discs.generate]"},
-        Case{TWO_DISCS,
-             "s.toml:1:1: found no run.engine (allowed: sweep, simultaneous, events) add engine "
-             "= \"sweep\" below [run]"},
+        Case{TWO_DISCS, "s.toml:1:1: found no run.engine (allowed: sweep, simultaneous, toi, "
+                        "events) add engine "
+                        "= \"sweep\" below [run]"},
         Case{"gravity = 1\n" TWO_DISCS SWEEP,
              "s.toml:1:1: unknown key 'gravity' (allowed: box, discs, forces, contact, run, "
              "output, checkpoint) did you mean 'forces.gravity'?"},
@@ -404,12 +404,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{TWO_DISCS SWEEP "steps_per_time = 0\n",
              "s.toml:5:18: run.steps_per_time: found 0 (allowed: what has a reciprocal)"},
         Case{TWO_DISCS "[run]\nengine = \"event\"\n",
-             "s.toml:4:10: run.engine: found 'event' (allowed: sweep, simultaneous, events) "
+             "s.toml:4:10: run.engine: found 'event' (allowed: sweep, simultaneous, toi, events) "
              "did you mean 'events'?"},
-        Case{TWO_DISCS "[run]\nengine = \"toi\"\n",
-             "s.toml:4:10: run.engine: found 'toi' (allowed: sweep, simultaneous, events)"},
+        Case{TWO_DISCS "[run]\nengine = \"contacts\"\n",
+             "s.toml:4:10: run.engine: found 'contacts' (allowed: sweep, simultaneous, toi, "
+             "events)"},
         Case{TWO_DISCS "[run]\nengine = 3\n", "s.toml:4:10: run.engine: found 3, which is not a "
-                                              "text (allowed: sweep, simultaneous, events)"},
+                                              "text (allowed: sweep, simultaneous, toi, events)"},
         Case{TWO_DISCS "[run]\nengin = \"sweep\"\n",
              "s.toml:4:1: unknown key 'engin' (allowed in run: duration, steps, steps_per_time, "
              "dt, engine, precision, measure_from) did you mean 'engine'?"},

@@ -1,6 +1,5 @@
 // Engine `events`: what a gas of hard discs must be on average. The numbers of elastic discs are
 // those of long event-driven runs of other programs, or of theory; see kernels/README.md.
-#include "support/random.hpp"
 #include "support/runs.hpp"
 #include "support/scenes.hpp"
 
@@ -16,42 +15,6 @@ constexpr double pi = 3.14159265358979323846;
 Contact const elastic{Law::swap_scale, 1, 1};
 Way const way{EngineKind::events, Precision::double_, Placement::automatic};
 
-/// Discs of radius 1/2, so that lengths are in diameters, with temperature 1 and no total momentum.
-/// Velocity components are sums of twelve uniform numbers, almost Gaussian.
-Scene gas(std::size_t count, double packing, double gravity, Contact const& contact, Boundary x,
-          Boundary y)
-{
-  double const height = height_for(count, packing, 1.0) / 2;
-  Scene scene;
-  scene.model = make_model(height, height, gravity, contact, x, y);
-  scene.model.radius = 0.5;
-  scene.discs = separate_discs(scene.model, count, 0, 21);
-  Random random(22);
-  auto const normal = [&] {
-    double sum = -6;
-    for (int k = 0; k < 12; ++k)
-      sum += random.unit();
-    return sum;
-  };
-  double px = 0, py = 0, square = 0;
-  for (auto& disc : scene.discs) {
-    disc.vx = normal();
-    disc.vy = normal();
-    px += disc.vx / static_cast<double>(count);
-    py += disc.vy / static_cast<double>(count);
-  }
-  for (auto& disc : scene.discs) {
-    disc.vx -= px;
-    disc.vy -= py;
-    square += (disc.vx * disc.vx + disc.vy * disc.vy) / static_cast<double>(2 * count);
-  }
-  for (auto& disc : scene.discs) {
-    disc.vx /= std::sqrt(square);
-    disc.vy /= std::sqrt(square);
-  }
-  return scene;
-}
-
 struct Fluid {
   double packing, z, rate; ///< pressure, and collision rate of a disc in units of sqrt(T)/diameter
 };
@@ -65,7 +28,7 @@ class EquationOfState : public testing::TestWithParam<Fluid> {};
 TEST_P(EquationOfState, IsThatOfLongRuns)
 {
   auto const fluid = GetParam();
-  Scene scene = gas(1000, fluid.packing, 0, elastic, periodic, periodic);
+  Scene scene = thermal_gas(1000, fluid.packing, 0, elastic, periodic, periodic);
   scene.dt = 10 / fluid.rate;
   auto const run = start(scene, way);
   run->advance(5);
@@ -103,7 +66,7 @@ TEST(GasOfEvents, PressesOnTheWallsOfItsAccessibleArea)
        {Fluid{0.1, 1.23615, 0.5329}, Fluid{0.3, 2.0631, 2.3993}, Fluid{0.5, 4.1071, 7.0114}}) {
     int const blocks = 20;
     double const count = 200;
-    Scene scene = gas(200, fluid.packing, 0, elastic, walls, walls);
+    Scene scene = thermal_gas(200, fluid.packing, 0, elastic, walls, walls);
     scene.dt = 100 / fluid.rate;
     auto const run = start(scene, way);
     run->advance(1);
@@ -133,7 +96,7 @@ TEST(GasOfEvents, PressesOnTheWallsOfItsAccessibleArea)
 /// 40000) = 0.02, of the first sqrt(96 / 80000) = 0.035; bounds of four of them.
 TEST(GasOfEvents, HasMaxwellsVelocities)
 {
-  Scene scene = gas(1000, 0.3, 0, elastic, periodic, periodic);
+  Scene scene = thermal_gas(1000, 0.3, 0, elastic, periodic, periodic);
   for (auto& disc : scene.discs) {
     double const speed = std::sqrt(disc.vx * disc.vx + disc.vy * disc.vy);
     disc.vx /= speed;
@@ -171,7 +134,7 @@ TEST(GasOfEvents, CoolsAsItsLawSays)
   double const a = 0.95, b = 0.97;
   for (auto const& c : {Case{{Law::restitution, a, 1}, 1 - a * a, 0.01},
                         Case{{Law::swap_scale, a, b}, 1.5 * (1 - a * a) + (1 - b * b), 0.03}}) {
-    Scene scene = gas(4000, 0.2, 0, c.contact, periodic, periodic);
+    Scene scene = thermal_gas(4000, 0.2, 0, c.contact, periodic, periodic);
     scene.dt = 0.2;
     auto const run = start(scene, way);
     while (run->report().collisions < 3 * 4000 / 2)
@@ -191,7 +154,7 @@ TEST(GasOfEvents, CoolsAsItsLawSays)
 /// independent, the standard error is about 1.5 %; 6 % is allowed.
 TEST(GasOfEvents, IsDenserBelowByTheBarometricLaw)
 {
-  Scene scene = gas(400, 0.002, 0, elastic, periodic, walls);
+  Scene scene = thermal_gas(400, 0.002, 0, elastic, periodic, walls);
   double const range = scene.model.box.height - 1;
   scene.model.gravity = 8 / range;
   scene.dt = range / 2;

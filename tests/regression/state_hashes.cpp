@@ -91,8 +91,9 @@ std::vector<NamedScene> named_scenes()
   };
 }
 
-/// Scenes for `events`, which takes only discs that do not overlap.
-std::vector<NamedScene> event_scenes()
+/// Scenes for engines that take only discs that do not overlap: `events` with the step given, `toi`
+/// with many shorter ones.
+std::vector<NamedScene> separate_scenes()
 {
   constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
   Contact const elastic{Law::swap_scale, 1, 1}, scaling{Law::swap_scale, 0.93, 0.9},
@@ -142,8 +143,13 @@ Table table_of_this_build(Placement placement)
   for (auto const& named : named_scenes())
     for (auto const engine : {EngineKind::sweep, EngineKind::simultaneous})
       add(named, engine);
-  for (auto const& named : event_scenes())
+  for (auto const& named : separate_scenes()) {
     add(named, EngineKind::events);
+    NamedScene stepped = named;
+    stepped.scene.dt = named.scene.dt / 16;
+    stepped.steps = 8 * named.steps;
+    add(stepped, EngineKind::toi);
+  }
   return table;
 }
 

@@ -99,9 +99,10 @@ TEST_P(Labels, NameThePhysicsOfARun)
     Scene scene;
     scene.model = make_model(30, 30, boundary == Boundary::walls ? 9.81 : 0,
                              {Law::restitution, 0.9, 0.9}, boundary, boundary);
-    scene.discs = GetParam().engine == EngineKind::events
-                      ? separate_discs(scene.model, 100, 10, 1)
-                      : random_discs(scene.model, 100, 10, Ids::shuffled, 1);
+    bool const overlaps =
+        GetParam().engine == EngineKind::sweep || GetParam().engine == EngineKind::simultaneous;
+    scene.discs = overlaps ? random_discs(scene.model, 100, 10, Ids::shuffled, 1)
+                           : separate_discs(scene.model, 100, 10, 1);
     use(scene, GetParam());
   }
 
@@ -125,8 +126,10 @@ TEST(Labels, AreMissedWhereTheyAreMissing)
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Events, Labels,
-    testing::Values(Way{EngineKind::events, Precision::double_, Placement::serial},
+    OfSeparateDiscs, Labels,
+    testing::Values(Way{EngineKind::toi, Precision::double_, Placement::serial},
+                    Way{EngineKind::toi, Precision::double_, Placement::parallel},
+                    Way{EngineKind::events, Precision::double_, Placement::serial},
                     Way{EngineKind::events, Precision::double_, Placement::parallel}),
     [](auto const& way) { return name(way.param); });
 INSTANTIATE_TEST_SUITE_P(Ways, Labels, testing::ValuesIn(all_ways()),

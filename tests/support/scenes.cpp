@@ -125,6 +125,40 @@ std::vector<DiscState> separate_discs(Model const& model, std::size_t count, dou
   return reordered(discs, random_order(count, seed + 1));
 }
 
+Scene thermal_gas(std::size_t count, double packing, double gravity, Contact const& contact,
+                  Boundary x, Boundary y)
+{
+  double const height = height_for(count, packing, 1.0) / 2;
+  Scene scene;
+  scene.model = make_model(height, height, gravity, contact, x, y);
+  scene.model.radius = 0.5;
+  scene.discs = separate_discs(scene.model, count, 0, 21);
+  Random random(22);
+  auto const normal = [&] {
+    double sum = -6;
+    for (int k = 0; k < 12; ++k)
+      sum += random.unit();
+    return sum;
+  };
+  double px = 0, py = 0, square = 0;
+  for (auto& disc : scene.discs) {
+    disc.vx = normal();
+    disc.vy = normal();
+    px += disc.vx / static_cast<double>(count);
+    py += disc.vy / static_cast<double>(count);
+  }
+  for (auto& disc : scene.discs) {
+    disc.vx -= px;
+    disc.vy -= py;
+    square += (disc.vx * disc.vx + disc.vy * disc.vy) / static_cast<double>(2 * count);
+  }
+  for (auto& disc : scene.discs) {
+    disc.vx /= std::sqrt(square);
+    disc.vy /= std::sqrt(square);
+  }
+  return scene;
+}
+
 std::vector<DiscState> reordered(std::vector<DiscState> const& discs,
                                  std::vector<std::size_t> const& order)
 {

@@ -40,6 +40,12 @@ std::vector<DiscState> lattice_discs(Model const& model, std::size_t count, doub
 std::vector<DiscState> separate_discs(Model const& model, std::size_t count, double speed,
                                       std::uint64_t seed);
 
+/// Discs of radius 1/2, so that lengths are in diameters, with temperature 1 and no total momentum.
+/// Velocity components are sums of twelve uniform numbers, almost Gaussian. It
+/// takes square roots.
+Scene thermal_gas(std::size_t count, double packing, double gravity, Contact const& contact,
+                  Boundary x, Boundary y);
+
 /// Discs in another order: the k-th of the result is the `order[k]`-th of `discs`.
 std::vector<DiscState> reordered(std::vector<DiscState> const& discs,
                                  std::vector<std::size_t> const& order);

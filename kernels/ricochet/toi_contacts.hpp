@@ -1,0 +1,493 @@
+// The contacts of one step of the engine `toi`: who meets whom, or a wall, and what becomes of it.
+//
+// Times t count from the start of the step, 0...dt. In the frame that falls with the discs (see
+// events_flight.hpp) every free flight is a straight line, p + t w. A contact at time t at the
+// place q = p + t w gives a disc the velocity w' and with it another line, written as if it had
+// begun with the step:
+//   p' = q - t w'.
+// So the arrays of positions and velocities hold p and w, whatever happens, and at the end of the
+// step all discs fly alike.
+//
+// Contacts are resolved in rounds. In each round every disc has its next event: the earliest, by
+// (time, disc before wall, id of the disc), of its contacts with walls and with all other discs on
+// their present lines. Events at walls happen; so do those of two discs that are the next of both.
+// The first of all events is always one of them, so rounds go on until none is left or there were
+// `most_rounds`; what then overlaps meets when the next step begins.
+//
+// Only what can have changed is looked at again: each disc has a list of those it meets on present
+// lines, complete at all times because whoever changes its line looks for others, enters itself in
+// their lists and calls them up for the next round. Lists are in any order; what is taken from them
+// is the earliest.
+#pragma once
+
+#include "ricochet/contacts.hpp"
+#include "ricochet/events_flight.hpp"
+
+namespace ricochet {
+
+/// What befell a disc last, in the present step.
+template <class Real>
+struct Encounter {
+  Real since = 0;          ///< when it was; the line of the disc is its path from then on
+  int met = partner::none; ///< slot of the disc it met then
+  int rests = 0;           ///< 1, -1: it came to rest on the ceiling, on the floor
+};
+
+/// The next event of a disc.
+template <class Real>
+struct NextEvent {
+  Real time;
+  int with;  ///< see `partner`
+  int round; ///< in which it was determined
+};
+
+/// What contacts leave to be entered in the books of the run.
+struct Happened {
+  Books books;
+  double speed2 = 0; ///< square of the largest speed that came of a contact
+
+  KOKKOS_INLINE_FUNCTION void merge(Happened const& other)
+  {
+    books.merge(other.books);
+    speed2 = other.speed2 > speed2 ? other.speed2 : speed2;
+  }
+};
+
+/// Memory of the contacts of a step, by slot unless it says otherwise. Between steps it is as new.
+template <class Space, class Real>
+struct ContactMemory {
+  using Ints = Kokkos::View<int*, Space>;
+  static constexpr int longest = 6; ///< a disc that meets more has no list; it searches
+
+  Kokkos::View<Encounter<Real>*, Space> last;
+  Kokkos::View<NextEvent<Real>*, Space> next;  ///< of those called up in this step
+  Kokkos::View<int* [longest], Space> partner; ///< slots of discs that it meets, or met before
+  Ints partners;                                ///< how many
+  Ints called;                                  ///< latest round it was called up for, or 0
+  Ints list[2];                                 ///< those called up for the odd and even rounds
+  Ints changed;                                 ///< those with new lines in this round
+  Ints active;                                  ///< those called up in this step
+
+  struct Counts {
+    int list[2] = {0, 0}, changed = 0, active = 0;
+    double speed2 = 0; ///< of the last round
+  };
+  Kokkos::View<Counts, Space> counts;
+
+  explicit ContactMemory(int n)
+    : last("ricochet::last_encounter", n),
+      next(uninitialised<decltype(next)>("ricochet::next_event", n)),
+      partner(uninitialised<decltype(partner)>("ricochet::partner", n)),
+      partners("ricochet::partner_count", n),
+      called("ricochet::called_for_round", n),
+      list{uninitialised<Ints>("ricochet::odd_round", n),
+           uninitialised<Ints>("ricochet::even_round", n)},
+      changed(uninitialised<Ints>("ricochet::changed", n)),
+      active(uninitialised<Ints>("ricochet::active", n)),
+      counts("ricochet::contact_counts")
+  {
+  }
+
+  /// Adds a disc to those whose next event is determined in `round`.
+  KOKKOS_INLINE_FUNCTION void call_up(int slot, int round) const
+  {
+    int const before = exchange<Space>(called(slot), round);
+    if (before == round)
+      return;
+    list[round % 2](fetch_add<Space>(counts().list[round % 2], 1)) = slot;
+    if (before == 0)
+      active(fetch_add<Space>(counts().active, 1)) = slot;
+  }
+
+  KOKKOS_INLINE_FUNCTION void add_partner(int slot, int other) const
+  {
+    int const place = fetch_add<Space>(partners(slot), 1);
+    if (place < longest)
+      partner(slot, place) = other;
+  }
+
+  KOKKOS_INLINE_FUNCTION bool has_list(int slot) const { return partners(slot) <= longest; }
+
+  KOKKOS_INLINE_FUNCTION void reset(int slot) const
+  {
+    last(slot) = Encounter<Real>{};
+    partners(slot) = 0;
+    called(slot) = 0;
+  }
+};
+
+/// What all kernels of a step work on.
+template <class Space, class Real, bool periodic>
+struct ToiStep {
+  ContactMemory<Space, Real> m;
+  Discs<Space, Real> discs; ///< the lines
+  Neighbours<Space, Real, periodic> neighbours;
+  Arena<Real, periodic> arena;
+  Real diameter;
+  Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance
+  bool any_image;      ///< whether discs may meet in more than their nearest images
+  double
+      travel; ///< farthest that any disc can get, by the end of the step, from where it was sorted
+  double speed; ///< of the fastest disc, also after a contact
+
+  /// Place of a disc at `time`.
+  KOKKOS_INLINE_FUNCTION Vec2<Real> at(int i, Real time) const
+  {
+    return discs.position(i) + time * discs.velocity(i);
+  }
+
+  /// When two discs meet on their present lines, if not clearly after the step. It is the same in
+  /// either order. (No closer limit is set for what is looked for: it would be one for times before
+  /// they are rounded, and the first of two that round to the same would depend on the order.)
+  KOKKOS_INLINE_FUNCTION Real meeting(int i, int j) const
+  {
+    auto const &a = m.last(i), &b = m.last(j);
+    Real const from = a.since > b.since ? a.since : b.since;
+    auto const w = discs.velocity(j) - discs.velocity(i);
+    auto const d = (discs.position(j) - discs.position(i)) + from * w;
+    bool const met = a.met == j && b.met == i;
+    return from + arena.time_to_touch(arena.domain.separation({0, 0}, d), w, met, arena.end - from);
+  }
+
+  /// Enters two discs in each other's lists, and calls them up, if they meet in this step.
+  KOKKOS_INLINE_FUNCTION void enter_meeting(int i, int j, int round) const
+  {
+    if (!(meeting(i, j) < arena.end))
+      return;
+    m.add_partner(i, j);
+    m.add_partner(j, i);
+    m.call_up(i, round);
+    m.call_up(j, round);
+  }
+
+  /// Calls use(domain) with the domain in which a disc at `p` can be compared with its neighbours:
+  /// the plane, without images, unless it is near an end of a periodic box.
+  template <class Use>
+  KOKKOS_INLINE_FUNCTION void with_ends(Vec2<Real> p, Use const& use) const
+  {
+    if constexpr (periodic) {
+      if (!arena.is_inner(p)) {
+        use(arena.domain);
+        return;
+      }
+    }
+    use(Domain<Real, false>());
+  }
+
+  /// Distance within which all were sorted that a disc can meet in `time`.
+  KOKKOS_INLINE_FUNCTION double reach(Vec2<Real> velocity, Real time) const
+  {
+    auto const v = as<double>(velocity);
+    return static_cast<double>(diameter) + sqrt(dot(v, v)) * static_cast<double>(time) + travel;
+  }
+};
+
+/// Whether a disc may meet disc i on the line that it has from `since` on: a test of many slots at
+/// once, which passes some that do not meet it but none that do, unless they have met it before.
+///
+/// With b = d.w and c = d^2 - distance^2 no root of c + 2 b t + w^2 t^2 is earlier than c/(-2b);
+/// see time_to_meet(). So c <= -2 b (end - since) for those that meet; for those that separate the
+/// right hand side is negative. One comparison, for compilers turn several into branches.
+template <class Space, class Real, bool across_ends, bool at_start>
+struct MayMeet {
+  Real const *x, *y, *vx, *vy;
+  Domain<Real, across_ends> domain;
+  Vec2<Real> p, w;
+  Real since, distance2;
+  Real factor; ///< -2 (end - since), and a margin for rounding
+  Real least; ///< of the right hand side: at the start of the step 0, so that overlaps are seen too
+
+  template <bool periodic>
+  KOKKOS_INLINE_FUNCTION MayMeet(ToiStep<Space, Real, periodic> const& step,
+                                 Domain<Real, across_ends> const& ends, int i, Real from)
+    : x(step.discs.x.data()),
+      y(step.discs.y.data()),
+      vx(step.discs.vx.data()),
+      vy(step.discs.vy.data()),
+      domain(ends),
+      p(step.discs.position(i)),
+      w(step.discs.velocity(i)),
+      since(from),
+      distance2(step.safe_distance2),
+      factor(-2 * (1 + 64 * std::numeric_limits<Real>::epsilon()) * (step.arena.end - from)),
+      least(step.any_image ? infinity : (at_start ? Real(0) : -infinity))
+  {
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION bool operator()(int k) const
+  {
+    Vec2<Real> const relative{vx[k] - w.x, vy[k] - w.y};
+    Vec2<Real> d{x[k] - p.x, y[k] - p.y};
+    if constexpr (!at_start) // there nothing has moved
+      d = d + since * relative;
+    if constexpr (across_ends)
+      d = domain.separation({0, 0}, d);
+    Real const right = dot(d, relative) * factor;
+    return dot(d, d) - distance2 <= (right > least ? right : least);
+  }
+
+ private:
+  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+};
+
+/// Finds who meets in the step, at walls too. The deepest overlap of discs at its start is entered
+/// in the books. `near`: whether discs that meet were sorted into neighbouring cells.
+template <class Space, class Real, bool periodic, bool walls, bool near>
+struct FindContacts {
+  ToiStep<Space, Real, periodic> step;
+  typename CellGrid<Space, Real>::Ints cell;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Happened& happened) const
+  {
+    auto const& arena = step.arena;
+    auto const p = step.discs.position(i), w = step.discs.velocity(i);
+    auto const look_at = [&](int k) { meet(i, k, happened.books); };
+    step.with_ends(p, [&](auto const& ends) {
+      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+      MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
+      if constexpr (near)
+        step.neighbours.template for_each_ahead_that<across_ends>(cell(i), i, may_meet, look_at);
+      else
+        step.neighbours.template for_each_near_that<across_ends>(p, step.reach(w, arena.end), i + 1,
+                                                                 may_meet, look_at);
+    });
+    if constexpr (walls)
+      if (!arena.misses_walls(p, w, arena.end))
+        step.m.call_up(i, 1);
+  }
+
+ private:
+  KOKKOS_FUNCTION void meet(int i, int k, Books& books) const
+  {
+    auto const d = step.arena.domain.separation(step.discs.position(i), step.discs.position(k));
+    Real const distance = sqrt(dot(d, d));
+    double const depth = overlap(distance, step.diameter);
+    books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
+    step.enter_meeting(i, k, 1);
+  }
+};
+
+/// Determines the next events of the discs that are called up.
+template <class Space, class Real, bool periodic>
+struct ChooseNext {
+  ToiStep<Space, Real, periodic> step;
+  int round;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int place) const
+  {
+    auto const& arena = step.arena;
+    if (place == 0)
+      step.m.counts().changed = 0;
+    int const i = step.m.list[round % 2](place);
+    Real const since = step.m.last(i).since;
+    auto const wall = arena.next_wall({step.at(i, since), step.discs.velocity(i), since, 0, 0, 0});
+    NextEvent<Real> next{arena.end, partner::none, round};
+    if (wall.due < arena.end)
+      next = {wall.due, wall.with, round};
+    if (step.m.has_list(i))
+      for (int k = 0; k < step.m.partners(i); ++k)
+        consider(i, step.m.partner(i, k), next);
+    else
+      step.neighbours.template for_each_near_that<periodic>(
+          step.at(i, since), step.reach(step.discs.velocity(i), arena.end), 0,
+          [](int) { return true; }, [&](int k) { consider(i, k, next); });
+    step.m.next(i) = next;
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void consider(int i, int k, NextEvent<Real>& next) const
+  {
+    if (i == k)
+      return;
+    Real const time = step.meeting(i, k);
+    bool const is_first = time < next.time || (time == next.time && is_before(k, next.with));
+    if (is_first && time < step.arena.end)
+      next = {time, k, next.round};
+  }
+
+  KOKKOS_INLINE_FUNCTION bool is_before(int k, int with) const
+  {
+    return with < 0 || step.discs.id(k) < step.discs.id(with);
+  }
+};
+
+/// Executes what is next for all that take part in it.
+template <class Space, class Real, bool periodic, class LawType>
+struct ResolveContacts {
+  ToiStep<Space, Real, periodic> step;
+  LawType law;
+  WallRule<Real, true> wall;
+  Scales scales;
+  int round;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
+  {
+    int const i = step.m.list[round % 2](place);
+    NextEvent<Real> const& next = step.m.next(i);
+    if (next.with == partner::none)
+      return;
+    if (next.with < 0) {
+      bounce(i, next, happened);
+      change(i, happened);
+      return;
+    }
+    int const j = next.with;
+    NextEvent<Real> const& of_other = step.m.next(j);
+    bool const is_mine = of_other.round < round || step.discs.id(i) < step.discs.id(j);
+    if (of_other.with != i || !is_mine)
+      return;
+    if (step.discs.id(i) < step.discs.id(j))
+      collide(i, j, next.time, happened.books);
+    else
+      collide(j, i, next.time, happened.books);
+    change(i, happened);
+    change(j, happened);
+  }
+
+ private:
+  /// Place and velocity of a disc in the lab at the time of a contact.
+  struct Motion {
+    Vec2<Real> place, velocity;
+  };
+
+  KOKKOS_INLINE_FUNCTION Motion motion(int i, Real t) const
+  {
+    auto const& arena = step.arena;
+    Motion now{arena.lab_position(step.at(i, t), t), arena.lab_velocity(step.discs.velocity(i), t)};
+    // The line of a disc at rest on a wall is made for the end of the step.
+    int const rests = step.m.last(i).rests;
+    if (rests != 0) {
+      now.place.y = static_cast<Real>(rests) * arena.wall_y;
+      now.velocity.y = 0;
+    }
+    return now;
+  }
+
+  /// Gives disc i the line that is at `now` at time t.
+  KOKKOS_INLINE_FUNCTION void set_line(int i, Motion const& now, Real t, int met) const
+  {
+    Real const g = step.arena.gravity;
+    Vec2<Real> const w{now.velocity.x, now.velocity.y + g * t};
+    Vec2<Real> const q{now.place.x, now.place.y + g * t * t / 2};
+    step.discs.set_velocity(i, w);
+    step.discs.set_position(i, q - t * w);
+    step.m.last(i) = {t, met, 0};
+  }
+
+  KOKKOS_INLINE_FUNCTION void collide(int i, int j, Real t, Books& books) const
+  {
+    Motion a = motion(i, t), b = motion(j, t);
+    auto const separation = step.arena.domain.separation(a.place, b.place);
+    Real const distance = sqrt(dot(separation, separation));
+    PairVelocity<Real> const before{a.velocity, b.velocity};
+    auto const after = law(contact_normal(separation, distance), before);
+    a.velocity = after.first;
+    b.velocity = after.second;
+    set_line(i, a, t, j);
+    set_line(j, b, t, i);
+
+    ++books.collisions;
+    double const depth = overlap(distance, step.diameter);
+    books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
+    books.virial.add(virial_of(before, after, separation), scales.virial);
+    books.lost_pairs.add((kinetic_energy(before.first) + kinetic_energy(before.second)) -
+                             (kinetic_energy(after.first) + kinetic_energy(after.second)),
+                         scales.energy);
+  }
+
+  /// A disc that returns to the wall n times in the remaining time of the step does so with alpha^n
+  /// of its speed u, each time after 2 alpha^n u/g; together they take 2 alpha u/(g (1 - alpha)).
+  /// If that is no more than what remains, it comes to rest there: normal velocity 0, and beta^n =
+  /// 0 of the tangential, or all of it if beta = 1.
+  KOKKOS_INLINE_FUNCTION void bounce(int i, NextEvent<Real> const& next, Happened& happened) const
+  {
+    auto const& arena = step.arena;
+    Real const t = next.time;
+    Motion const before = motion(i, t);
+    auto const v = before.velocity;
+    Motion now = before;
+    int rests = 0;
+    if (next.with == partner::wall_x) {
+      now.place.x = v.x < 0 ? -arena.wall_x : arena.wall_x;
+      now.velocity = {wall.normal(v.x), wall.tangential(v.y)};
+    } else {
+      bool const below = v.y < 0 || (v.y == 0 && arena.gravity > 0);
+      now.place.y = below ? -arena.wall_y : arena.wall_y;
+      now.velocity = {wall.tangential(v.x), wall.normal(v.y)};
+      Real const pull = below ? arena.gravity : -arena.gravity;
+      Real const u = below ? -v.y : v.y;
+      if (pull > 0 && 2 * wall.alpha * u <= pull * (1 - wall.alpha) * (arena.end - t)) {
+        now.velocity = {wall.beta < 1 ? Real(0) : v.x, 0};
+        rests = below ? -1 : 1;
+      }
+    }
+    set_line(i, now, t, partner::none);
+    if (rests != 0)
+      rest(i, now, t, rests);
+
+    auto& books = happened.books;
+    ++books.wall_hits;
+    books.lost_walls.add(kinetic_energy(v) - kinetic_energy(now.velocity), scales.energy);
+    books.numerical.add(static_cast<double>(arena.gravity) * (static_cast<double>(now.place.y) -
+                                                              static_cast<double>(before.place.y)),
+                        scales.energy);
+  }
+
+  /// Gives a disc the line that ends the step at rest on the wall. In between it is up to g dt^2/2
+  /// beyond it; motion() knows better.
+  KOKKOS_INLINE_FUNCTION void rest(int i, Motion const& now, Real t, int side) const
+  {
+    Real const g = step.arena.gravity, end = step.arena.end;
+    Vec2<Real> const w{now.velocity.x, g * end};
+    step.discs.set_velocity(i, w);
+    step.discs.set_position(i,
+                            {now.place.x - t * w.x, (now.place.y + g * end * end / 2) - end * w.y});
+    step.m.last(i).rests = side;
+  }
+
+  /// Notes that a disc has a new line, and calls up whom that concerns.
+  KOKKOS_INLINE_FUNCTION void change(int i, Happened& happened) const
+  {
+    auto const w = as<double>(step.discs.velocity(i));
+    happened.speed2 = dot(w, w) > happened.speed2 ? dot(w, w) : happened.speed2;
+    step.m.changed(fetch_add<Space>(step.m.counts().changed, 1)) = i;
+    step.m.call_up(i, round + 1);
+    if (step.m.has_list(i))
+      for (int k = 0; k < step.m.partners(i); ++k) {
+        int const other = step.m.partner(i, k);
+        if (step.m.next(other).with == i)
+          step.m.call_up(other, round + 1);
+      }
+  }
+};
+
+/// Finds whom discs meet on the lines they have got in this round.
+template <class Space, class Real, bool periodic>
+struct FindNewContacts {
+  ToiStep<Space, Real, periodic> step;
+  int round;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int place) const
+  {
+    if (place >= step.m.counts().changed)
+      return;
+    int const i = step.m.changed(place);
+    Real const since = step.m.last(i).since, rest = step.arena.end - since;
+    auto const q = step.at(i, since);
+    double const reach = step.reach(step.discs.velocity(i), rest);
+    step.with_ends(q, [&](auto const& ends) {
+      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+      MayMeet<Space, Real, across_ends, false> const may_meet(step, ends, i, since);
+      step.neighbours.template for_each_near_that<across_ends>(q, reach, 0, may_meet, [&](int k) {
+        if (k != i)
+          step.enter_meeting(i, k, round + 1);
+      });
+    });
+    if (!step.m.has_list(i)) // who was to meet it is not known
+      step.neighbours.template for_each_near_that<periodic>(
+          q, step.travel + step.reach({static_cast<Real>(step.speed), 0}, step.arena.end), 0,
+          [](int) { return true; }, [&](int k) { step.m.call_up(k, round + 1); });
+  }
+};
+
+} // namespace ricochet

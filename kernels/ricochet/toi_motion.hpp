@@ -1,0 +1,107 @@
+// How discs come to the end of a step of the engine `toi`.
+#pragma once
+
+#include "ricochet/domain.hpp"
+#include "ricochet/toi_contacts.hpp"
+
+namespace ricochet {
+
+/// Takes every disc to the end of its line (see toi_contacts.hpp) and back to the lab: with T = dt,
+///   x' = p + T w - g T^2/2,   v' = w - g T.
+/// For a disc without contacts, p = x and w = v, this is the exact parabola. No disc is left beyond
+/// a wall, where rounding could put it, or a contact that was left to the next step.
+template <class Space, class Real, bool gravity, bool walls, bool periodic>
+struct Land {
+  Discs<Space, Real> discs;
+  Domain<Real, periodic> domain;
+  Real dt;
+  Real fall;           ///< g dt^2/2
+  Real velocity_gain;  ///< g dt
+  Real wall_x, wall_y; ///< the most that |x| and |y| of a centre can be
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  {
+    discs.set_position(i, domain.wrapped(inside(end_of_line(i))));
+    if constexpr (gravity)
+      discs.vy(i) = discs.vy(i) - velocity_gain;
+  }
+
+  KOKKOS_INLINE_FUNCTION Vec2<Real> end_of_line(int i) const
+  {
+    auto p = discs.position(i) + dt * discs.velocity(i);
+    if constexpr (gravity)
+      p.y = p.y - fall;
+    return p;
+  }
+
+  KOKKOS_INLINE_FUNCTION Vec2<Real> inside(Vec2<Real> p) const
+  {
+    if constexpr (walls)
+      return {clamped(p.x, wall_x), clamped(p.y, wall_y)};
+    else
+      return p;
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION static Real clamped(Real place, Real most)
+  {
+    Real const low = place < -most ? -most : place;
+    return low > most ? most : low;
+  }
+};
+
+/// Enters in the books what it means that a disc with contacts was kept inside, and forgets its
+/// contacts.
+template <class Space, class Real, class LandType>
+struct Settle {
+  ContactMemory<Space, Real> m;
+  LandType land;
+  Outside outside;
+  double gravity;
+  Scales scales;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
+  {
+    int const i = m.active(place);
+    m.reset(i);
+    auto const p = land.end_of_line(i);
+    auto const kept = land.inside(p);
+    outside.enter(kept, happened.books.max_outside);
+    double const lifted = static_cast<double>(kept.y) - static_cast<double>(p.y);
+    if (lifted != 0)
+      happened.books.numerical.add(gravity * lifted, scales.energy);
+  }
+};
+
+/// Calls use(land) with the end of the step of a scene.
+template <class Space, class Real, class Use>
+void with_landing(Discs<Space, Real> const& discs, Model const& model, double dt, Use const& use)
+{
+  auto const step = static_cast<Real>(dt), g = static_cast<Real>(model.gravity);
+  auto const wall = [&](Boundary boundary, double length) {
+    return boundary == Boundary::walls ? static_cast<Real>(length / 2 - model.radius)
+                                       : std::numeric_limits<Real>::infinity();
+  };
+  auto const launch = [&](auto gravity, auto walls, auto periodic) {
+    use(Land<Space, Real, gravity, walls, periodic>{
+        discs, Domain<Real, periodic>(model.box), step, g * step * step / 2, g * step,
+        wall(model.box.x, model.box.width), wall(model.box.y, model.box.height)});
+  };
+  auto const with_boundaries = [&](auto gravity) {
+    std::true_type const yes;
+    std::false_type const no;
+    bool const x = model.box.x == Boundary::walls, y = model.box.y == Boundary::walls;
+    if (x && y)
+      launch(gravity, yes, no);
+    else if (x || y)
+      launch(gravity, yes, yes);
+    else
+      launch(no, no, yes); // discs would fall for ever
+  };
+  if (model.gravity != 0)
+    with_boundaries(std::true_type{});
+  else
+    with_boundaries(std::false_type{});
+}
+
+} // namespace ricochet
