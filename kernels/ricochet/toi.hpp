@@ -128,7 +128,7 @@ class TimeOfImpact : public Engine {
   void enter_happened(int next_round);
 
  private:
-  static Model model_of_grid(Model model, double dt, std::vector<DiscState> const& initial);
+  static Model model_of_grid(Model model);
   void require_fine_enough(Method const& method) const;
 
   Space space_ = own_instance<Space>();
@@ -153,7 +153,7 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    grid_(model_of_grid(model, method.dt, initial), discs_.count()),
+    grid_(model_of_grid(model), discs_.count()),
     memory_(discs_.count()),
     books_(model, method.dt, initial),
     inspection_(model),
@@ -168,21 +168,13 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     require_fine_enough(method);
 }
 
-/// A model whose grid has cells that discs need a few steps to leave.
+/// A model whose grid has cells of 1.75 diameters: few more discs in reach than in smaller ones,
+/// and a disc may move 0.37 diameters before all have to be sorted again.
 template <class Space, class Real>
-Model TimeOfImpact<Space, Real>::model_of_grid(Model model, double dt,
-                                               std::vector<DiscState> const& initial)
+Model TimeOfImpact<Space, Real>::model_of_grid(Model model)
 {
-  double square = 0;
-  for (auto const& disc : initial)
-    square += disc.vx * disc.vx + disc.vy * disc.vy;
-  double const thermal =
-      std::sqrt(square / (2 * std::max(static_cast<double>(initial.size()), 1.0)));
-  // Cells are 2.75 radii of this model wide. The fastest of many discs has about five times the
-  // thermal speed. TODO tune
-  double const diameter = 2 * model.radius;
-  double const side = std::clamp(diameter + 4 * 5 * thermal * dt, 1.5 * diameter, 2 * diameter);
-  model.radius = std::max(model.radius, side / 2.75);
+  constexpr double side = 1.75 * 2, side_in_grid = 2.75; // in radii; see CellGrid
+  model.radius *= side / side_in_grid;
   return model;
 }
 
