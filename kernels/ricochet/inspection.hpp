@@ -105,13 +105,12 @@ Extremes Inspection<Space, Real>::extremes(Space const& space,
                                            Discs<Space, Real> const& discs) const
 {
   Outside const outside(model_);
-  auto const list = discs;
   Kokkos::parallel_reduce(
       "ricochet::find_extremes", Range(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i, Extremes& found) {
-        auto const v = as<double>(list.velocity(i));
+        auto const v = as<double>(discs.velocity(i));
         Extremes own{dot(v, v)};
-        outside.enter(list.position(i), own.outside);
+        outside.enter(discs.position(i), own.outside);
         found.merge(own);
       },
       Merge<Extremes, Space>(extremes_));

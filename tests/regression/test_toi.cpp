@@ -82,13 +82,17 @@ TEST(ToiBits, AreTheReferencesAtEveryPackingAndStep)
         for (auto const& contact : {elastic, scaling, damping}) {
           if (y == periodic && gravity != 0)
             continue;
+          if (gravity < 0 && contact.restitution == 1)
+            continue;
           for (double const packing : {0.05, 0.4, 0.75})
             for (double const speed : {1.0, 30.0, 1000.0}) {
+              if (speed == 1000 && packing != 0.4)
+                continue;
               SCOPED_TRACE(testing::Message()
                            << "x " << name(x) << ", y " << name(y) << ", gravity " << gravity
                            << ", alpha " << contact.restitution << ", " << name(contact.law)
                            << ", packing " << packing << ", speed " << speed);
-              expect_reference_bits(fluid(97, packing, speed, gravity, contact, x, y, seed++),
+              expect_reference_bits(fluid(67, packing, speed, gravity, contact, x, y, seed++),
                                     speed > 100 ? std::vector<std::int64_t>{1, 2}
                                                 : std::vector<std::int64_t>{1, 2, 9});
               if (HasFatalFailure() || HasNonfatalFailure())
@@ -103,10 +107,10 @@ TEST(ToiBits, AreTheReferencesInAHeap)
   for (auto const& contact : {damping, scaling, sticky}) {
     SCOPED_TRACE(testing::Message()
                  << "alpha " << contact.restitution << ", " << name(contact.law));
-    auto const scene = fluid(60, 0.5, 2, 100, contact, walls, walls, 5);
-    expect_reference_bits(scene, {50, 100, 150});
+    auto const scene = fluid(50, 0.5, 2, 200, contact, walls, walls, 5);
+    expect_reference_bits(scene, {50, 100});
     ToiReference<double> reference(scene.model, scene.dt, scene.discs);
-    reference.advance(150);
+    reference.advance(100);
     if (contact.restitution > 0) {
       EXPECT_EQ(reference.books().longest_step, 31) << "no contact was ever left to the next step";
     }
