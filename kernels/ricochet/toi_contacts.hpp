@@ -62,11 +62,11 @@ struct ContactMemory {
   Kokkos::View<Encounter<Real>*, Space> last;
   Kokkos::View<NextEvent<Real>*, Space> next;  ///< of those called up in this step
   Kokkos::View<int* [longest], Space> partner; ///< slots of discs that it meets, or met before
-  Ints partners;                                ///< how many
-  Ints called;                                  ///< latest round it was called up for, or 0
-  Ints list[2];                                 ///< those called up for the odd and even rounds
-  Ints changed;                                 ///< those with new lines in this round
-  Ints active;                                  ///< those called up in this step
+  Ints partners;                               ///< how many
+  Ints called;                                 ///< latest round it was called up for, or 0
+  Ints list[2];                                ///< those called up for the odd and even rounds
+  Ints changed;                                ///< those with new lines in this round
+  Ints active;                                 ///< those called up in this step
 
   struct Counts {
     int list[2] = {0, 0}, changed = 0, active = 0;
