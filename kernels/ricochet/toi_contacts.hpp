@@ -76,7 +76,7 @@ struct ContactMemory {
 
   explicit ContactMemory(int n)
     : last("ricochet::last_encounter", n),
-      next(uninitialised<decltype(next)>("ricochet::next_event", n)),
+      next("ricochet::next_event", n),
       partner(uninitialised<decltype(partner)>("ricochet::partner", n)),
       partners("ricochet::partner_count", n),
       called("ricochet::called_for_round", n),
