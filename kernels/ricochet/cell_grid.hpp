@@ -318,9 +318,12 @@ class CellGrid {
  public:
   using Ints = Kokkos::View<int*, Space>;
 
-  /// A grid for `count` discs of `model`, whose cells are wider than a diameter by three
-  /// eighths at least, where the box is.
-  CellGrid(Model const& model, int count)
+  /// Least side of a cell that suits engines which sort in every step [diameters].
+  static constexpr double default_side = 1.375;
+
+  /// A grid for `count` discs of `model`, whose cells are at least `least_side` diameters wide,
+  /// where the box is.
+  CellGrid(Model const& model, int count, double least_side = default_side)
     : spare_(count),
       unsorted_cell_(uninitialised<Ints>("ricochet::unsorted_cell", count)),
       rank_(uninitialised<Ints>("ricochet::rank_in_cell", count)),
@@ -331,7 +334,7 @@ class CellGrid {
     // larger than that, for where discs settle three cells in a row would hold more of them than a
     // search reads at once.
     double const sparse = std::sqrt(0.3 * box.width / std::max(count, 1) * box.height);
-    double const side = std::max(2.75 * model.radius, sparse);
+    double const side = std::max(least_side * 2 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);
     cells_.start = Ints("ricochet::cell_start", static_cast<std::size_t>(cells_.count()) + 1);

@@ -57,6 +57,9 @@ class TimeOfImpact : public Engine {
   /// After so many rounds in a step contacts are left to the next one: discs at rest on each other
   /// would go on for ever.
   static constexpr int most_rounds = 32;
+  /// Of cells [diameters]: few more discs are in reach than in smaller ones, and a disc may move
+  /// 0.37 diameters before all have to be sorted again.
+  static constexpr double cell_side = 1.75;
   /// On a periodic axis, images of a disc on either side that others are compared with.
   static constexpr int most_images = 8;
 
@@ -128,7 +131,6 @@ class TimeOfImpact : public Engine {
   void enter_happened(int next_round);
 
  private:
-  static Model model_of_grid(Model model);
   void require_fine_enough(Method const& method) const;
 
   Space space_ = own_instance<Space>();
@@ -153,7 +155,7 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    grid_(model_of_grid(model), discs_.count()),
+    grid_(model, discs_.count(), cell_side),
     memory_(discs_.count()),
     books_(model, method.dt, initial),
     inspection_(model),
@@ -166,16 +168,6 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
   inspection_.require_separate(space_, grid_, discs_, method);
   if (method.precision == Precision::single_)
     require_fine_enough(method);
-}
-
-/// A model whose grid has cells of 1.75 diameters: few more discs in reach than in smaller ones,
-/// and a disc may move 0.37 diameters before all have to be sorted again.
-template <class Space, class Real>
-Model TimeOfImpact<Space, Real>::model_of_grid(Model model)
-{
-  constexpr double side = 1.75 * 2, side_in_grid = 2.75; // in radii; see CellGrid
-  model.radius *= side / side_in_grid;
-  return model;
 }
 
 /// Throws std::invalid_argument if places are too coarse for the way of a disc in a step. With
