@@ -196,8 +196,8 @@ TEST(OrderedExecution, IsTheLoopWhereAPushRunsThroughALattice)
     for (auto const x : {walls, periodic}) {
       SCOPED_TRACE("lattice constant " + std::to_string(gap));
       Scene scene;
-      scene.model = make_model(40 * gap, 40 * gap, 0, scaling, x, x);
-      scene.discs = lattice_discs(scene.model, 1600, 5, 11);
+      scene.model = make_model(24 * gap, 24 * gap, 0, scaling, x, x);
+      scene.discs = lattice_discs(scene.model, 576, 5, 11);
       expect_reference_bits(scene, EngineKind::sweep, {1, 2, 10});
     }
 }
