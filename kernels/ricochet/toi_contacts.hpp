@@ -209,7 +209,7 @@ struct MayMeet {
       w(step.discs.velocity(i)),
       since(from),
       distance2(step.safe_distance2),
-      factor(-2 * (1 + 64 * std::numeric_limits<Real>::epsilon()) * (step.arena.end - from)),
+      factor(-2 * (1 + margin) * (step.arena.end - from)),
       least(step.any_image ? infinity : (at_start ? Real(0) : -infinity))
   {
   }
@@ -228,6 +228,7 @@ struct MayMeet {
 
  private:
   static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  static constexpr Real margin = 64 * std::numeric_limits<Real>::epsilon();
 };
 
 /// Finds who meets in the step, at walls too. The deepest overlap of discs at its start is entered
