@@ -298,10 +298,7 @@ Arena<Real, periodic> EventDriven<Space, Real>::arena(double speed) const
     end = std::min(end, 4 * allowance / speed);
   if (model_.gravity != 0)
     end = std::min(end, std::sqrt(box.height / std::fabs(model_.gravity)));
-  auto const wall = [&](Boundary boundary, double length) {
-    return boundary == Boundary::walls ? static_cast<Real>(length / 2 - model_.radius)
-                                       : std::numeric_limits<Real>::infinity();
-  };
+  auto const limits = centre_limits<Real>(model_);
   auto const images = [&](Boundary boundary, double length) {
     double const farthest = 2 * model_.radius + 2 * skin_;
     return boundary == Boundary::periodic && length < 2 * farthest ? 1 : 0;
@@ -312,12 +309,19 @@ Arena<Real, periodic> EventDriven<Space, Real>::arena(double speed) const
     double const reach = 1.001 * (2 * model_.radius + skin_);
     return images(boundary, length) > 0 ? Real(0) : static_cast<Real>(length / 2 - reach);
   };
-  return {
-      Domain<Real, periodic>(box),   diameter * diameter,      static_cast<Real>(model_.gravity),
-      wall(box.x, box.width),        wall(box.y, box.height),  static_cast<Real>(box.width),
-      static_cast<Real>(box.height), images(box.x, box.width), images(box.y, box.height),
-      inner(box.x, box.width),       inner(box.y, box.height), static_cast<Real>(end),
-      static_cast<Real>(allowance)};
+  return {Domain<Real, periodic>(box),
+          diameter * diameter,
+          static_cast<Real>(model_.gravity),
+          limits.x,
+          limits.y,
+          static_cast<Real>(box.width),
+          static_cast<Real>(box.height),
+          images(box.x, box.width),
+          images(box.y, box.height),
+          inner(box.x, box.width),
+          inner(box.y, box.height),
+          static_cast<Real>(end),
+          static_cast<Real>(allowance)};
 }
 
 /// Begins an interval: sorts the discs, builds their lists of neighbours and predicts how each

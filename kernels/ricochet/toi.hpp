@@ -206,10 +206,7 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
   // A collision makes no disc faster than the root of the sum of both squares.
   double const speed = 1.5 * speed_ + std::fabs(model_.gravity) * dt_;
   double const apart = 2 * (speed * dt_ + std::fabs(model_.gravity) * dt_ * dt_) + diameter;
-  auto const wall = [&](Boundary boundary, double length) {
-    return boundary == Boundary::walls ? static_cast<Real>(length / 2 - model_.radius)
-                                       : std::numeric_limits<Real>::infinity();
-  };
+  auto const limits = centre_limits<Real>(model_);
   // The image of the other disc that is nearest at some time may be met at another only if the two
   // come that far.
   auto const images = [&](Boundary boundary, double length) {
@@ -231,10 +228,10 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
   return {memory_,
           discs_,
           Neighbours<Space, Real, periodic>(discs_, grid_.cells(), box),
-          {Domain<Real, periodic>(box), size * size, static_cast<Real>(model_.gravity),
-           wall(box.x, box.width), wall(box.y, box.height), static_cast<Real>(box.width),
-           static_cast<Real>(box.height), images_x, images_y, inner(box.x, box.width),
-           inner(box.y, box.height), static_cast<Real>(dt_), Real(0)},
+          {Domain<Real, periodic>(box), size * size, static_cast<Real>(model_.gravity), limits.x,
+           limits.y, static_cast<Real>(box.width), static_cast<Real>(box.height), images_x,
+           images_y, inner(box.x, box.width), inner(box.y, box.height), static_cast<Real>(dt_),
+           Real(0)},
           size,
           safe * safe,
           images_x + images_y > 0,

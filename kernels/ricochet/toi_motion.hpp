@@ -78,14 +78,11 @@ template <class Space, class Real, class Use>
 void with_landing(Discs<Space, Real> const& discs, Model const& model, double dt, Use const& use)
 {
   auto const step = static_cast<Real>(dt), g = static_cast<Real>(model.gravity);
-  auto const wall = [&](Boundary boundary, double length) {
-    return boundary == Boundary::walls ? static_cast<Real>(length / 2 - model.radius)
-                                       : std::numeric_limits<Real>::infinity();
-  };
+  auto const limits = centre_limits<Real>(model);
   auto const launch = [&](auto gravity, auto walls, auto periodic) {
-    use(Land<Space, Real, gravity, walls, periodic>{
-        discs, Domain<Real, periodic>(model.box), step, g * step * step / 2, g * step,
-        wall(model.box.x, model.box.width), wall(model.box.y, model.box.height)});
+    use(Land<Space, Real, gravity, walls, periodic>{discs, Domain<Real, periodic>(model.box), step,
+                                                    g * step * step / 2, g * step, limits.x,
+                                                    limits.y});
   };
   auto const with_boundaries = [&](auto gravity) {
     std::true_type const yes;

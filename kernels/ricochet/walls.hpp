@@ -37,6 +37,17 @@ struct Outside {
   }
 };
 
+/// The most that |x| and |y| of a centre can be; infinite on a periodic axis.
+template <class Real>
+Vec2<Real> centre_limits(Model const& model)
+{
+  auto const limit = [&](Boundary boundary, double length) {
+    return boundary == Boundary::walls ? static_cast<Real>(length / 2 - model.radius)
+                                       : std::numeric_limits<Real>::infinity();
+  };
+  return {limit(model.box.x, model.box.width), limit(model.box.y, model.box.height)};
+}
+
 /// One wall's rule: the position is mirrored at the wall, the normal velocity multiplied by -alpha
 /// and the tangential velocity by beta.
 template <class Real, bool dissipative>

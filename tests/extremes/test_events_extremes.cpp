@@ -36,16 +36,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Way{EngineKind::events, Precision::single_, Placement::serial}),
     [](auto const& way) { return name(way.param); });
 
-Scene scene_of(double width, double height, double gravity, Contact const& contact,
-               std::vector<DiscState> discs, double dt)
-{
-  Scene scene;
-  scene.model = make_model(width, height, gravity, contact);
-  scene.discs = std::move(discs);
-  scene.dt = dt;
-  return scene;
-}
-
 TEST_P(EventExtremes, NoDiscAndOneDiscRun)
 {
   EXPECT_EQ(run_of(scene_of(40, 40, 9.81, elastic, {}, 1), 3)->report().discs, 0);
@@ -55,9 +45,7 @@ TEST_P(EventExtremes, NoDiscAndOneDiscRun)
 
 TEST_P(EventExtremes, OverlapsAndDiscsBeyondAWallAreRefused)
 {
-  for (auto const& discs : {std::vector<DiscState>{{0, 0, 0, 0}, {0, 0, 0, 0}},
-                            std::vector<DiscState>{{0, 0, 0, 0}, {1.99, 0, 0, 0}},
-                            std::vector<DiscState>{{19.1, 0, 0, 0}}})
+  for (auto const& discs : inseparate_discs())
     EXPECT_THROW(start(scene_of(40, 40, 0, elastic, discs, 1), GetParam()), std::invalid_argument);
 }
 

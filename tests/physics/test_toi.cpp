@@ -28,16 +28,6 @@ class Toi : public testing::TestWithParam<Way> {
 INSTANTIATE_TEST_SUITE_P(Ways, Toi, testing::ValuesIn(ways),
                          [](auto const& way) { return name(way.param); });
 
-Scene scene_of(double width, double height, double gravity, Contact const& contact,
-               std::vector<DiscState> discs, double dt)
-{
-  Scene scene;
-  scene.model = make_model(width, height, gravity, contact);
-  scene.discs = std::move(discs);
-  scene.dt = dt;
-  return scene;
-}
-
 Scene gas(std::size_t count, double packing, double gravity, Contact const& contact, Boundary x,
           Boundary y)
 {
@@ -222,9 +212,7 @@ TEST_P(Toi, SurvivesAHeap)
 
 TEST_P(Toi, RefusesWhatIsNotOneLayerOfDiscsBetweenTheWalls)
 {
-  for (auto const& discs : {std::vector<DiscState>{{0, 0, 0, 0}, {0, 0, 0, 0}},
-                            std::vector<DiscState>{{0, 0, 0, 0}, {1.99, 0, 0, 0}},
-                            std::vector<DiscState>{{19.1, 0, 0, 0}}})
+  for (auto const& discs : inseparate_discs())
     EXPECT_THROW(start(scene_of(40, 40, 0, elastic, discs, 1), GetParam()), std::invalid_argument);
 }
 

@@ -6,6 +6,7 @@
 #include "support/random.hpp"
 #include "support/reference.hpp"
 #include "support/runs.hpp"
+#include "support/same_runs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,18 +27,10 @@ void expect_reference_bits(Scene const& scene, EngineKind engine, Precision prec
   auto const serial = start(scene, {engine, precision, Placement::serial});
   auto const parallel = start(scene, {engine, precision, Placement::parallel});
 
-  std::int64_t now = 0;
-  for (auto const step : checked_steps) {
-    SCOPED_TRACE(std::string(name(precision)) + " precision, step " + std::to_string(step));
-    reference.advance(step - now);
-    serial->advance(step - now);
-    parallel->advance(step - now);
-    now = step;
-    auto const expected = reference.states();
-    ASSERT_TRUE(same_bits(states(serial), expected)) << "on one thread";
-    ASSERT_TRUE(same_bits(states(parallel), expected)) << "on the default backend";
-  }
-
+  SCOPED_TRACE(std::string(name(precision)) + " precision");
+  expect_bits_of(reference, serial, parallel, checked_steps);
+  if (testing::Test::HasFatalFailure())
+    return;
   auto const report = serial->report();
   auto const& books = reference.books();
   EXPECT_TRUE(same_bits(parallel->report(), report));
@@ -53,7 +46,7 @@ void expect_reference_bits(Scene const& scene, EngineKind engine, Precision prec
        {Execution::islands, Execution::crowd, Execution::rounds, Execution::in_order})
     for (auto const placement : {Placement::serial, Placement::parallel}) {
       auto const forced = start(scene, {engine, precision, placement, execution});
-      forced->advance(now);
+      forced->advance(checked_steps.back());
       ASSERT_TRUE(same_bits(states(forced), reference.states()))
           << "execution " << static_cast<int>(execution) << " on " << forced->backend();
       auto books_of_forced = forced->report();
@@ -291,27 +284,6 @@ TEST(EngineBits, AreTheReferencesInBoxesOfEveryShape)
   }
 }
 
-/// A run of `steps` steps, taken one at a time, with a look at the state after each.
-Run start_and_look(Scene const& scene, Way const& way, int steps)
-{
-  auto run = start(scene, way);
-  for (int step = 0; step < steps; ++step) {
-    run->advance(1);
-    run->report();
-    run->state_hash();
-  }
-  return run;
-}
-
-void expect_same_across_restart(Scene const& scene, Way const& way, std::int64_t before,
-                                std::int64_t after)
-{
-  SCOPED_TRACE(name(way));
-  Scene later = scene;
-  later.discs = states_after(scene, way, before);
-  EXPECT_TRUE(same_bits(states_after(later, way, after), states_after(scene, way, before + after)));
-}
-
 // A disc's own history must not matter: a run that stops, reports and goes on is the same run.
 TEST(EngineBits, DoNotDependOnHowTheStepsAreAskedFor)
 {
@@ -332,32 +304,6 @@ TEST(EngineBits, AreTheSameAcrossARestart)
   auto const scene = crowd(300, 0.6, 20, Ids::shuffled, 9.81, damping, periodic, walls, 4);
   for (auto const& way : all_ways())
     expect_same_across_restart(scene, way, 25, 15);
-}
-
-// More than a restart: the books, the clock and the measurement go on as well, on other threads
-// too.
-void expect_same_from_checkpoint(Scene const& scene, Way const& way, std::int64_t before,
-                                 std::int64_t after)
-{
-  SCOPED_TRACE(name(way));
-  auto const whole = start(scene, way);
-  whole->advance(before / 2);
-  whole->start_measuring();
-  whole->advance(before - before / 2);
-  Checkpoint const checkpoint = whole->checkpoint();
-  whole->advance(after);
-
-  for (auto const placement : {Placement::serial, Placement::parallel}) {
-    Way elsewhere = way;
-    elsewhere.placement = placement;
-    auto const resumed = start(scene, elsewhere);
-    resumed->advance(1); // nothing of what it did before may be left
-    resumed->restore(checkpoint);
-    resumed->advance(after);
-    EXPECT_TRUE(same_bits(states(resumed), states(whole)));
-    EXPECT_TRUE(same_bits(resumed->report(), whole->report()));
-    EXPECT_EQ(resumed->report().windows, whole->report().windows); // how long the next should be
-  }
 }
 
 TEST(EngineBits, AreTheSameFromACheckpoint)
@@ -383,15 +329,6 @@ TEST(EngineBits, ACheckpointOfAnotherSceneIsRefused)
   Checkpoint partial = run->checkpoint();
   partial.integers.erase("steps");
   EXPECT_THROW(run->restore(partial), std::invalid_argument);
-}
-
-std::vector<Way> event_ways()
-{
-  std::vector<Way> ways;
-  for (auto const precision : {Precision::double_, Precision::single_})
-    for (auto const placement : {Placement::serial, Placement::parallel})
-      ways.push_back({EngineKind::events, precision, placement});
-  return ways;
 }
 
 Scene fluid(std::size_t count, double packing, double gravity, Contact const& contact, Boundary x,
@@ -431,21 +368,21 @@ TEST(EventBits, AreTheSameOnOneThreadAndOnTheDefaultBackend)
 TEST(EventBits, AreTheSameAcrossARestart)
 {
   auto const scene = fluid(500, 0.5, 0.5, elastic, periodic, walls, 32);
-  for (auto const& way : event_ways())
+  for (auto const& way : ways_of(EngineKind::events))
     expect_same_across_restart(scene, way, 3, 3);
 }
 
 TEST(EventBits, AreTheSameFromACheckpoint)
 {
   auto const scene = fluid(500, 0.5, 0.5, elastic, periodic, walls, 32);
-  for (auto const& way : event_ways())
+  for (auto const& way : ways_of(EngineKind::events))
     expect_same_from_checkpoint(scene, way, 4, 3);
 }
 
 TEST(EventBits, DoNotDependOnHowStepsAreGroupedOrOnWhoLooks)
 {
   auto const scene = fluid(500, 0.5, 0, scaling, walls, walls, 33);
-  for (auto const& way : event_ways()) {
+  for (auto const& way : ways_of(EngineKind::events)) {
     SCOPED_TRACE(name(way));
     auto const one_by_one = start_and_look(scene, way, 5);
     auto const at_once = start(scene, way);
@@ -461,7 +398,7 @@ TEST(EventBits, DoNotDependOnTheOrderOfDiscs)
   auto const order = random_order(500, 35);
   Scene other = scene;
   other.discs = reordered(scene.discs, order);
-  for (auto const& way : event_ways()) {
+  for (auto const& way : ways_of(EngineKind::events)) {
     SCOPED_TRACE(name(way));
     EXPECT_TRUE(
         same_bits(states_after(other, way, 4), reordered(states_after(scene, way, 4), order)));

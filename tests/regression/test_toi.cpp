@@ -3,6 +3,7 @@
 // Bits are the whole claim here, so no tolerance appears.
 #include "support/compare.hpp"
 #include "support/runs.hpp"
+#include "support/same_runs.hpp"
 #include "support/toi_reference.hpp"
 
 #include <gtest/gtest.h>
@@ -28,15 +29,6 @@ Scene fluid(std::size_t count, double packing, double speed, double gravity, Con
   return scene;
 }
 
-std::vector<Way> toi_ways()
-{
-  std::vector<Way> ways;
-  for (auto const precision : {Precision::double_, Precision::single_})
-    for (auto const placement : {Placement::serial, Placement::parallel})
-      ways.push_back({EngineKind::toi, precision, placement});
-  return ways;
-}
-
 template <class Real>
 void expect_reference_bits(Scene const& scene, Precision precision,
                            std::vector<std::int64_t> const& checked_steps)
@@ -44,16 +36,10 @@ void expect_reference_bits(Scene const& scene, Precision precision,
   ToiReference<Real> reference(scene.model, scene.dt, scene.discs);
   auto const serial = start(scene, {EngineKind::toi, precision, Placement::serial});
   auto const parallel = start(scene, {EngineKind::toi, precision, Placement::parallel});
-  std::int64_t now = 0;
-  for (auto const step : checked_steps) {
-    SCOPED_TRACE(std::string(name(precision)) + " precision, step " + std::to_string(step));
-    reference.advance(step - now);
-    serial->advance(step - now);
-    parallel->advance(step - now);
-    now = step;
-    ASSERT_TRUE(same_bits(states(serial), reference.states())) << "on one thread";
-    ASSERT_TRUE(same_bits(states(parallel), reference.states())) << "on the default backend";
-  }
+  SCOPED_TRACE(std::string(name(precision)) + " precision");
+  expect_bits_of(reference, serial, parallel, checked_steps);
+  if (testing::Test::HasFatalFailure())
+    return;
   auto const report = serial->report();
   auto const& books = reference.books();
   EXPECT_TRUE(same_bits(parallel->report(), report));
@@ -142,15 +128,11 @@ TEST(ToiBits, AreTheReferencesWhereEverythingIsSimultaneous)
 TEST(ToiBits, DoNotDependOnHowTheStepsAreAskedFor)
 {
   auto const scene = fluid(500, 0.5, 5, 9.81, damping, periodic, walls, 3);
-  for (auto const& way : toi_ways()) {
+  for (auto const& way : ways_of(EngineKind::toi)) {
     SCOPED_TRACE(name(way));
-    auto const at_once = start(scene, way), one_by_one = start(scene, way);
+    auto const one_by_one = start_and_look(scene, way, 30);
+    auto const at_once = start(scene, way);
     at_once->advance(30);
-    for (int k = 0; k < 30; ++k) {
-      one_by_one->advance(1);
-      one_by_one->report();
-      one_by_one->state_hash();
-    }
     EXPECT_TRUE(same_bits(states(one_by_one), states(at_once)));
     EXPECT_TRUE(same_bits(one_by_one->report(), at_once->report()));
   }
@@ -159,31 +141,15 @@ TEST(ToiBits, DoNotDependOnHowTheStepsAreAskedFor)
 TEST(ToiBits, AreTheSameAcrossARestart)
 {
   auto const scene = fluid(500, 0.5, 5, 9.81, damping, periodic, walls, 4);
-  for (auto const& way : toi_ways()) {
-    SCOPED_TRACE(name(way));
-    Scene later = scene;
-    later.discs = states_after(scene, way, 13);
-    EXPECT_TRUE(same_bits(states_after(later, way, 12), states_after(scene, way, 25)));
-  }
+  for (auto const& way : ways_of(EngineKind::toi))
+    expect_same_across_restart(scene, way, 13, 12);
 }
 
 TEST(ToiBits, AreTheSameFromACheckpoint)
 {
   auto const scene = fluid(500, 0.5, 5, 9.81, damping, periodic, walls, 4);
-  for (auto const& way : toi_ways()) {
-    SCOPED_TRACE(name(way));
-    auto const whole = start(scene, way), resumed = start(scene, way);
-    whole->advance(6);
-    whole->start_measuring();
-    whole->advance(7);
-    Checkpoint const checkpoint = whole->checkpoint();
-    whole->advance(12);
-    resumed->advance(1); // nothing of what it did before may be left
-    resumed->restore(checkpoint);
-    resumed->advance(12);
-    EXPECT_TRUE(same_bits(states(resumed), states(whole)));
-    EXPECT_TRUE(same_bits(resumed->report(), whole->report()));
-  }
+  for (auto const& way : ways_of(EngineKind::toi))
+    expect_same_from_checkpoint(scene, way, 13, 12);
 }
 
 } // namespace

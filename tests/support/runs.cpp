@@ -65,6 +65,15 @@ std::ostream& operator<<(std::ostream& out, Way const& way)
   return out << name(way);
 }
 
+std::vector<Way> ways_of(EngineKind engine)
+{
+  std::vector<Way> ways;
+  for (auto const precision : {Precision::double_, Precision::single_})
+    for (auto const placement : {Placement::serial, Placement::parallel})
+      ways.push_back({engine, precision, placement});
+  return ways;
+}
+
 Run start(Scene const& scene, Way const& way)
 {
   return {make_engine(scene.model,

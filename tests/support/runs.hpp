@@ -26,6 +26,9 @@ std::vector<Way> const& single_ways();
 /// Those of them with engine `sweep` in double precision.
 std::vector<Way> const& sweep_ways();
 
+/// Both precisions of an engine, on one thread and on the default backend.
+std::vector<Way> ways_of(EngineKind engine);
+
 /// Such as "sweep_double_serial"; also for the names of parameterised tests.
 std::string name(Way const& way);
 

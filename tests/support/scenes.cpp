@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace ricochet::test {
 
@@ -17,6 +18,19 @@ Model make_model(double width, double height, double gravity, Contact contact, B
   model.gravity = gravity;
   model.contact = contact;
   return model;
+}
+
+Scene scene_of(double width, double height, double gravity, Contact const& contact,
+               std::vector<DiscState> discs, double dt)
+{
+  return {make_model(width, height, gravity, contact), dt, std::move(discs)};
+}
+
+std::vector<std::vector<DiscState>> const& inseparate_discs()
+{
+  static std::vector<std::vector<DiscState>> const all{
+      {{0, 0, 0, 0}, {0, 0, 0, 0}}, {{0, 0, 0, 0}, {1.99, 0, 0, 0}}, {{19.1, 0, 0, 0}}};
+  return all;
 }
 
 std::vector<DiscState> random_discs(Model const& model, std::size_t count, double speed, Ids ids,

@@ -24,6 +24,14 @@ enum class Ids { shuffled, row_major, reversed };
 Model make_model(double width, double height, double gravity, Contact contact,
                  Boundary x = Boundary::walls, Boundary y = Boundary::walls);
 
+/// A scene of its parts, with walls all around.
+Scene scene_of(double width, double height, double gravity, Contact const& contact,
+               std::vector<DiscState> discs, double dt);
+
+/// Discs that engines for separate discs must refuse in a box of 40 x 40: coincident, overlapping,
+/// beyond a wall.
+std::vector<std::vector<DiscState>> const& inseparate_discs();
+
 /// `count` discs uniformly anywhere in the box, so that they overlap each other and the walls;
 /// velocity components uniform in +-`speed`.
 std::vector<DiscState> random_discs(Model const& model, std::size_t count, double speed, Ids ids,
