@@ -358,12 +358,9 @@ struct Conclude {
     auto const before = state.discs.velocity(slot), velocity = state.spare.velocity(slot);
     // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
     // over its pushes.
-    if (velocity.x != before.x || velocity.y != before.y)
-      books.lost_pairs.add(kinetic_energy(before) - kinetic_energy(velocity), state.scales.energy);
+    books.lost_pairs.add(kinetic_energy(before) - kinetic_energy(velocity), state.scales.energy);
     state.discs.set_velocity(slot, velocity);
     Tally const own = contact.tally(slot);
-    if (own.received == 0)
-      return;
     contact.tally(slot) = Tally{};
     auto const position = state.spare.position(slot);
     double const rise = static_cast<double>(position.y) - static_cast<double>(state.discs.y(slot));
