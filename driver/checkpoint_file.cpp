@@ -21,7 +21,7 @@ namespace ricochet::driver {
 
 namespace {
 
-constexpr std::int64_t present_format = 1;
+constexpr std::int64_t present_format = 2;
 
 /// A checksum of everything in a checkpoint.
 class Checksum {
@@ -80,6 +80,7 @@ std::int64_t checksum(SavedRun const& run, NamedList<std::int64_t> const& intege
     sum.add(text);
   sum.add(&run.frames, sizeof run.frames);
   sum.add(&run.wall_seconds, sizeof run.wall_seconds);
+  sum.add(&run.slow_looks, sizeof run.slow_looks);
   sum.add(integers.values);
   sum.add(reals.values);
   sum.add(run.engine.discs);
@@ -104,6 +105,7 @@ void write_file(std::string const& path, SavedRun const& run)
   hdf5::write_attribute(file, "checksum", checksum(run, integers, reals));
   hdf5::write_attribute(file, "frames", run.frames);
   hdf5::write_attribute(file, "wall_seconds", run.wall_seconds);
+  hdf5::write_attribute(file, "slow_looks", run.slow_looks);
   hdf5::write_text(file, "version", run.version);
   hdf5::write_text(file, "identity", run.identity);
   hdf5::write_text(file, "summary", run.summary);
@@ -139,6 +141,7 @@ SavedRun read_file(std::string const& path)
   run.summary_json = hdf5::read_text(file, "summary_json");
   run.frames = hdf5::read_attribute<std::int64_t>(file, "frames");
   run.wall_seconds = hdf5::read_attribute<double>(file, "wall_seconds");
+  run.slow_looks = hdf5::read_attribute<std::int64_t>(file, "slow_looks");
   NamedList<std::int64_t> integers;
   NamedList<double> reals;
   integers.names = hdf5::read_text(file, "integer_names");

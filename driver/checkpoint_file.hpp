@@ -11,12 +11,13 @@ namespace ricochet::driver {
 
 /// A run as its checkpoint keeps it.
 struct SavedRun {
-  std::string version;      ///< of the program
-  std::string identity;     ///< what is simulated, in words
-  std::int64_t frames = 0;  ///< that the trajectory has; 0 if there is none
-  double wall_seconds = 0;  ///< of stepping
-  std::string summary;      ///< of a run that is finished, in words; empty before
-  std::string summary_json; ///< the same for programs
+  std::string version;         ///< of the program
+  std::string identity;        ///< what is simulated, in words
+  std::int64_t frames = 0;     ///< that the trajectory has; 0 if there is none
+  double wall_seconds = 0;     ///< of stepping
+  std::int64_t slow_looks = 0; ///< of RestWatch
+  std::string summary;         ///< of a run that is finished, in words; empty before
+  std::string summary_json;    ///< the same for programs
   Checkpoint engine;
 
   std::int64_t step() const { return engine.integers.at("steps"); }

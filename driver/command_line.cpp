@@ -135,6 +135,7 @@ constexpr SettingOption run_settings[] = {
     {"--steps-per-time", "run.steps_per_time", "F", "Steps per time unit (default 45)"},
     {"--duration", "run.duration", "T", "Time to simulate (default 60)"},
     {"--steps", "run.steps", "N", "Steps to simulate, instead of a duration"},
+    {"--until", "run.until", "rest", "End earlier if all discs have come to rest"},
     {"--checkpoint", "checkpoint.file", "FILE",
      "Keep a checkpoint (default with --resume auto: beside the trajectory)"},
     {"--checkpoint-every", "checkpoint.every_seconds", "SECONDS",

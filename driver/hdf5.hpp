@@ -146,6 +146,14 @@ void write_attribute(hid_t object, char const* name, T value)
   check(H5Awrite(attribute, native<T>(), &value));
 }
 
+/// Changes an attribute that is there.
+template <class T>
+void change_attribute(hid_t object, char const* name, T value)
+{
+  Attribute const attribute(H5Aopen(object, name, H5P_DEFAULT));
+  check(H5Awrite(attribute, native<T>(), &value));
+}
+
 template <class T>
 T read_attribute(hid_t object, char const* name)
 {

@@ -70,6 +70,7 @@ std::string as_json(Summary const& summary)
   json["temperature"] = report.temperature;
   json["pressure_z"] = or_null(report.pressure_z);
   json["packing_fraction"] = summary.packing_fraction;
+  json["at_rest"] = or_null(summary.is_at_rest);
   json["state_hash"] = hash_text(summary.state_hash);
   json["verified"] = "not checked";
   json["error_estimate"] = nullptr;

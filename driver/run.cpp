@@ -84,6 +84,8 @@ Run::Run(RunOptions const& options, Scene scene)
   }
   if (options_.watching != Watching::no)
     stage_ = stage_of(scene_);
+  if (*scene_.settings.until == Until::rest)
+    rest_.emplace(scene_);
   std::vector<DiscState>().swap(scene_.discs); // the engine has its own
   warnings_ = engine_->warnings();
   initial_hash_ = engine_->state_hash();
@@ -175,6 +177,8 @@ void Run::go_on_from(SavedRun const& saved)
   step_ = saved.step();
   frames_ = saved.frames;
   wall_seconds_ = saved.wall_seconds;
+  if (rest_)
+    rest_->restore(saved.slow_looks);
   if (!options_.kokkos.quiet)
     tell(LogLevel::info, fmt::format("going on after step {} of {}", step_, scene_.steps));
 }
@@ -319,6 +323,7 @@ void Run::save(Summary const* result)
     run.identity = identity_;
     run.frames = frames_;
     run.wall_seconds = wall_seconds_;
+    run.slow_looks = rest_ ? rest_->slow_looks() : 0;
     if (result) {
       run.summary = in_words(*result);
       run.summary_json = as_json(*result);
@@ -364,6 +369,8 @@ void Run::step_to_the_end(StopRequests& stops)
     if (writer_)
       until = std::min(until, (step_ / scene_.every + 1) * scene_.every);
     until = std::min(until, end_of_phase(step_));
+    if (rest_)
+      until = std::min(until, rest_->next_look(step_));
     bool const is_animated = live_ && live_->is_open() && options_.watching == Watching::animation;
     if (is_animated)
       until = step_ + 1;
@@ -374,6 +381,7 @@ void Run::step_to_the_end(StopRequests& stops)
     else if (spent > 2 * lively)
       batch = std::max<std::int64_t>(1, batch / 2);
     step_ = until;
+    look_for_rest();
 
     if (is_animated || (live_ && live_->is_due()))
       watch(step_);
@@ -403,6 +411,17 @@ void Run::step_to_the_end(StopRequests& stops)
   }
 }
 
+// Ends the run where its discs rest, if it is to.
+void Run::look_for_rest()
+{
+  if (!rest_ || !rest_->is_look(step_))
+    return;
+  fetch_states();
+  rest_->look(states_);
+  if (rest_->is_at_rest())
+    scene_.steps = step_;
+}
+
 void Run::write_frame(Report const& report)
 {
   std::unique_ptr<Frame> frame = writer_->borrow();
@@ -416,6 +435,8 @@ void Run::close_trajectory()
   if (!writer_)
     return;
   writer_->finish();
+  if (rest_ && rest_->is_at_rest())
+    trajectory_->set_end(step_);
   trajectory_->close();
   if (!checkpoint_.empty())
     trajectory_->sync();
@@ -462,6 +483,8 @@ Summary Run::summary()
   s.state_hash = engine_->state_hash();
   s.report = report();
   s.warnings = warnings_;
+  if (rest_)
+    s.is_at_rest = rest_->is_at_rest();
   return s;
 }
 

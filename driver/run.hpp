@@ -7,6 +7,7 @@
 #include "outlook.hpp"
 #include "output_lock.hpp"
 #include "pictures/viewer.hpp"
+#include "rest.hpp"
 #include "resume.hpp"
 #include "scene.hpp"
 #include "stop_request.hpp"
@@ -17,6 +18,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +81,7 @@ class Run {
   void open_window();
   void watch(std::int64_t step);
   void step_to_the_end(StopRequests& stops);
+  void look_for_rest();
   void save(Summary const* result);
   [[noreturn]] void stop(std::string const& why, int signal);
   void write_frame(Report const& report);
@@ -101,6 +104,7 @@ class Run {
   Stage stage_;                    ///< for the window
   std::unique_ptr<LiveView> live_; ///< if the run is watched
   std::int64_t step_ = 0;          ///< taken so far
+  std::optional<RestWatch> rest_;  ///< if that ends the run
   std::int64_t frames_ = 0;        ///< of the trajectory, as of the last checkpoint
   double wall_seconds_ = 0;
   double checkpoint_seconds_ = 0; ///< that the last one took

@@ -92,6 +92,23 @@ void set_times(Scene& scene, ProblemList& problems)
                     shortest(*s.measure_from), scene.steps, shortest(dt)));
 }
 
+// Whether the discs can come to rest at all.
+void check_rest(Scene const& scene, ProblemList& problems)
+{
+  Settings const& s = scene.settings;
+  if (*s.until != Until::rest)
+    return;
+  auto const refuse = [&](std::string const& key, std::string const& why) {
+    problems.add(blame(s, "run.until", {key}),
+                 fmt::format("found \"rest\", but discs never rest {}", why),
+                 "leave it out");
+  };
+  if (scene.model.gravity == 0)
+    refuse("forces.gravity", "without gravity");
+  else if (scene.method.engine == EngineKind::events)
+    refuse("run.engine", "under engine events, which stops where contacts last");
+}
+
 void relax_discs(Scene& scene, ProblemList& problems)
 {
   double const diameter = 2 * scene.model.radius;
@@ -209,6 +226,7 @@ Scene read_scene(SceneOptions const& options, Purpose purpose)
   scene.method.precision = *settings.precision;
   check_model(settings, scene.model, problems);
   set_times(scene, problems);
+  check_rest(scene, problems);
   if (purpose == Purpose::settings) {
     problems.throw_if_any();
     return scene;

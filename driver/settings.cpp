@@ -335,6 +335,7 @@ std::vector<Key> const& keys()
       choice("contact.law", &S::law, by_name<Law>({Law::swap_scale, Law::restitution})),
       real("run.duration", &S::duration, "a decimal number >= 0", not_negative),
       integer("run.steps", &S::steps, 0, most_steps, "run.duration"),
+      choice<Until>("run.until", &S::until, {{"duration", Until::duration}, {"rest", Until::rest}}),
       real("run.steps_per_time", &S::steps_per_time, "what has a reciprocal", has_reciprocal),
       real("run.dt", &S::dt, "a decimal number > 0", above_zero, "run.steps_per_time"),
       choice("run.engine", &S::engine, by_name(engine_kinds())),

@@ -27,6 +27,12 @@ enum class Arrangement {
   triangular
 };
 
+/// What ends a run.
+enum class Until {
+  duration, ///< its last step
+  rest      ///< that too, or that its discs rest, see rest.hpp
+};
+
 /// The settings of a scene with their defaults, those of the original. What is empty is not set.
 ///
 /// The table of keys in settings.cpp is the one list of their names and of what they may be.
@@ -50,6 +56,7 @@ struct Settings {
 
   std::optional<double> duration = 60;
   std::optional<std::int64_t> steps; ///< instead of a duration
+  std::optional<Until> until = Until::duration;
   std::optional<double> steps_per_time = 45;
   std::optional<double> dt; ///< instead of steps per time
   std::optional<EngineKind> engine;

@@ -45,6 +45,10 @@ std::string in_words(Summary const& summary)
       "  energy      {:.10g} at the start, {:.10g} now: lost {:.6g} in pairs, {:.6g} at walls, "
       "numerical {:+.6g}, residual {:+.1e}\n",
       e.initial(), e.kinetic + e.potential, e.lost_pairs, e.lost_walls, e.numerical, e.residual());
+  if (summary.is_at_rest)
+    text += fmt::format("  rest        {}\n", *summary.is_at_rest
+                                                  ? "all discs rest"
+                                                  : "some discs still moved at the last look");
   text += fmt::format("  overlap     {:.3g} diameters at most, {:.3g} outside the walls\n",
                       r.max_overlap, r.max_outside);
   text += fmt::format("  state hash  {}\n", hash_text(summary.state_hash));

@@ -4,6 +4,7 @@
 #include "ricochet/engine.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct Summary {
   double dt = 0;
   double wall_seconds = 0; ///< of stepping alone
   double packing_fraction = 0;
+  std::optional<bool> is_at_rest; ///< of a run until rest
   std::uint64_t state_hash = 0;
   Report report;
   std::vector<std::string> warnings;

@@ -529,6 +529,14 @@ void TrajectoryFile::sync()
   guarded([&] { sync_to_disk(header_.path); });
 }
 
+void TrajectoryFile::set_end(std::int64_t last)
+{
+  guarded([&] {
+    Group const group(H5Gopen2(file_, "/parameters", H5P_DEFAULT));
+    hdf5::change_attribute(group, "steps", last);
+  });
+}
+
 void TrajectoryFile::close()
 {
   guarded([&] {

@@ -69,6 +69,9 @@ class TrajectoryFile {
   /// Has all appended frames written to the disk.
   void sync();
 
+  /// Notes that the run ended after step `last`, before its planned end.
+  void set_end(std::int64_t last);
+
   /// Completes the file.
   void close();
 

@@ -28,6 +28,7 @@ SavedRun example(std::int64_t step, std::size_t discs)
   run.identity = "[run]\ndt = 0.5\n";
   run.frames = 7;
   run.wall_seconds = 1.25;
+  run.slow_looks = 2;
   run.summary = "done";
   run.summary_json = "{}";
   run.engine.integers = {{"steps", step}, {"low", -1}};
@@ -44,6 +45,7 @@ void expect_equal(SavedRun const& a, SavedRun const& b)
   EXPECT_EQ(a.identity, b.identity);
   EXPECT_EQ(a.frames, b.frames);
   EXPECT_EQ(a.wall_seconds, b.wall_seconds);
+  EXPECT_EQ(a.slow_looks, b.slow_looks);
   EXPECT_EQ(a.summary, b.summary);
   EXPECT_EQ(a.summary_json, b.summary_json);
   EXPECT_EQ(a.engine.integers, b.engine.integers);

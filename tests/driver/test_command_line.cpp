@@ -177,7 +177,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadCall{{"s.toml", "--set", "run.dt"},
                 "--set: found 'run.dt' without '=' (allowed: section.key=value)"},
         BadCall{{"s.toml", "--set", "run.td=1"},
-                "--set run.td: unknown key 'td' (allowed in run: duration, steps, steps_per_time, "
+                "--set run.td: unknown key 'td' (allowed in run: duration, steps, until, "
+                "steps_per_time, "
                 "dt, engine, precision, measure_from) did you mean 'dt'?"},
         BadCall{{"s.toml", "--set", "run.dt=fast"},
                 "--set run.dt: found 'fast', which is not a decimal number (allowed: a decimal "

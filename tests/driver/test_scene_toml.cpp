@@ -81,6 +81,7 @@ friction = 1
 law = "restitution"
 [run]
 steps = 40
+until = "rest"
 dt = 0.125
 engine = "simultaneous"
 precision = "single"
@@ -97,6 +98,7 @@ compress = "none"
   EXPECT_EQ(scene.model.box.x, Boundary::periodic);
   EXPECT_EQ(scene.model.box.y, Boundary::walls);
   EXPECT_EQ(scene.model.gravity, -1.5);
+  EXPECT_EQ(scene.settings.until, Until::rest);
   EXPECT_EQ(scene.model.radius, 0.5);
   EXPECT_EQ(scene.discs.size(), 577u); // 0.1 * 75.5 * 60 / (pi / 4) = 576.8
   EXPECT_EQ(scene.model.contact.restitution, 0.5);
@@ -198,7 +200,7 @@ TEST(TomlScene, EverySettingIsPrinted)
     Settings one;
     bool printed = false;
     for (char const* value : {"1", "0.5", "true", "random", "walls", "sweep", "swap_scale",
-                              "double", "auto", "position"}) {
+                              "double", "auto", "position", "rest"}) {
       ProblemList wrong;
       assign(one, key, Word{value}, {"--set", std::nullopt, key, value}, wrong);
       if (!wrong.empty()) {
@@ -242,11 +244,12 @@ INSTANTIATE_TEST_SUITE_P(
              "s.toml:1:1: unknown key 'gravity' (allowed: box, discs, forces, contact, run, "
              "output, checkpoint) did you mean 'forces.gravity'?"},
         Case{TWO_DISCS SWEEP "duratoin = 1\n",
-             "s.toml:5:1: unknown key 'duratoin' (allowed in run: duration, steps, steps_per_time, "
+             "s.toml:5:1: unknown key 'duratoin' (allowed in run: duration, steps, until, "
+             "steps_per_time, "
              "dt, engine, precision, measure_from) did you mean 'duration'?"},
-        Case{TWO_DISCS SWEEP "foo = 1\n",
-             "s.toml:5:1: unknown key 'foo' (allowed in run: duration, steps, steps_per_time, dt, "
-             "engine, precision, measure_from)"},
+        Case{TWO_DISCS SWEEP "foo = 1\n", "s.toml:5:1: unknown key 'foo' (allowed in run: "
+                                          "duration, steps, until, steps_per_time, dt, "
+                                          "engine, precision, measure_from)"},
         Case{TWO_DISCS SWEEP "[forcse]\ngravity = 1\n",
              "s.toml:5:2: unknown key 'forcse' (allowed: box, discs, forces, contact, run, output, "
              "checkpoint) "
@@ -412,10 +415,20 @@ INSTANTIATE_TEST_SUITE_P(
         Case{TWO_DISCS "[run]\nengine = 3\n", "s.toml:4:10: run.engine: found 3, which is not a "
                                               "text (allowed: sweep, simultaneous, toi, events)"},
         Case{TWO_DISCS "[run]\nengin = \"sweep\"\n",
-             "s.toml:4:1: unknown key 'engin' (allowed in run: duration, steps, steps_per_time, "
+             "s.toml:4:1: unknown key 'engin' (allowed in run: duration, steps, until, "
+             "steps_per_time, "
              "dt, engine, precision, measure_from) did you mean 'engine'?"},
         Case{TWO_DISCS SWEEP "precision = \"half\"\n",
              "s.toml:5:13: run.precision: found 'half' (allowed: double, single)"},
+        Case{TWO_DISCS SWEEP "until = \"still\"\n",
+             "s.toml:5:9: run.until: found 'still' (allowed: duration, rest)"},
+        Case{TWO_DISCS SWEEP "until = \"rest\"\n[forces]\ngravity = 0\n",
+             "s.toml:5:9: run.until: found \"rest\", but discs never rest without gravity leave it "
+             "out"},
+        Case{TWO_DISCS "[run]\nengine = \"events\"\nuntil = \"rest\"\n",
+             "s.toml:5:9: run.until: found \"rest\", but discs never rest under engine events, "
+             "which "
+             "stops where contacts last leave it out"},
         Case{TWO_DISCS SWEEP "measure_from = 0.001\n",
              "s.toml:5:16: run.measure_from 0.001 is not a whole number of steps (dt = "
              "0.022222222222222223 gives 0.045) dt = 0.001 makes it 1"},
@@ -424,7 +437,7 @@ INSTANTIATE_TEST_SUITE_P(
              "takes 2700 steps of 0.022222222222222223)"},
         Case{TWO_DISCS SWEEP "tolerance = 0.01\n",
              "s.toml:5:1: unknown key 'tolerance' (allowed in run: duration, steps, "
-             "steps_per_time, dt, engine, precision, measure_from)"},
+             "until, steps_per_time, dt, engine, precision, measure_from)"},
         Case{TWO_DISCS SWEEP "[output]\nevery = 0\n",
              "s.toml:6:9: output.every: found 0 (allowed: an integer in 1...9007199254740992)"},
         Case{TWO_DISCS SWEEP "[output]\nevery = 2\nevery_time = 1\n",
@@ -464,7 +477,7 @@ INSTANTIATE_TEST_SUITE_P(
              "s.toml:5:8: not TOML (parsing hexadecimal integer: expected digit, saw "
              "'\\n')\ns.toml:6:14: not TOML (parsing key-value pair: expected a comment or "
              "whitespace, saw '2')\ns.toml:7:1: unknown key 'foo' (allowed in run: duration, "
-             "steps, steps_per_time, dt, engine, precision, measure_from)"},
+             "steps, until, steps_per_time, dt, engine, precision, measure_from)"},
         Case{TWO_DISCS "[run\nengine = \"sweep\"\n",
              "s.toml:3:5: not TOML (parsing table header: expected ']', saw '\\n')"},
         Case{TWO_DISCS SWEEP "file = \"unclosed\n",
