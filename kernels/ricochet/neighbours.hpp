@@ -62,6 +62,15 @@ class Neighbours {
         cell, slot, [&](Runs const& runs) { for_each_that<2>(runs, test, visit); });
   }
 
+  /// Calls visit(k) for every disc stored in or next to `cell` that passes test(k), as above.
+  template <bool across_ends, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_around_that(int cell, Test const& test,
+                                                   Visit const& visit) const
+  {
+    cells_.template for_runs_around<across_ends>(
+        cell, [&](Runs const& runs) { for_each_that<3>(runs, test, visit); });
+  }
+
   /// Calls visit(slot, separation) for every disc whose centre is closer to `p` than `reach`, which
   /// may be any distance, among the slots from `from` on. The discs must be where they were when
   /// they were sorted.

@@ -45,7 +45,7 @@ class TimeOfImpact : public Engine {
   void restore(Checkpoint const& checkpoint) override
   {
     ricochet::restore(space_, discs_, numbers(), checkpoint);
-    is_sorted_ = false;
+    ahead_ = 0;
   }
   std::vector<std::string> warnings() const override;
   std::string backend() const override { return Space::name(); }
@@ -57,9 +57,8 @@ class TimeOfImpact : public Engine {
   /// After so many rounds in a step contacts are left to the next one: discs at rest on each other
   /// would go on for ever.
   static constexpr int most_rounds = 32;
-  /// Of cells [diameters]: few more discs are in reach than in smaller ones, and a disc may move
-  /// 0.37 diameters before all have to be sorted again.
-  static constexpr double cell_side = 1.75;
+  /// Most steps from one sort to the next.
+  static constexpr int longest_ahead = 32;
   /// On a periodic axis, images of a disc on either side that others are compared with.
   static constexpr int most_images = 8;
 
@@ -75,11 +74,12 @@ class TimeOfImpact : public Engine {
   void step()
   {
     ProfilingRegion const region("ricochet::step");
-    if (!is_sorted_ || !is_near(travel_ + longest_path()))
-      sort();
+    if (ahead_ == 0 || !is_near(travel_ + longest_path()))
+      sort<periodic>();
     find_contacts<periodic>();
     resolve_contacts<periodic>();
     fly();
+    --ahead_;
     books_.count_step();
   }
 
@@ -88,13 +88,14 @@ class TimeOfImpact : public Engine {
   {
     ProfilingRegion const region("ricochet::resolve_contacts");
     for (int round = 1; round <= most_rounds; ++round) {
-      auto const counts = value_after(space_, memory_.counts);
-      note_speed(std::sqrt(counts.speed2));
-      int const called = counts.list[round % 2];
+      counts_ = value_after(space_, memory_.counts);
+      note_speed(std::sqrt(counts_.speed2));
+      int const called = counts_.list[round % 2];
       if (called == 0)
-        break;
+        return;
       execute_round<periodic>(round, called);
     }
+    has_listed_ = false; // discs that must be kept inside the box now leave their lines
   }
 
   /// Upper bounds of the speeds in this step, and of the paths of discs in the lab.
@@ -106,20 +107,53 @@ class TimeOfImpact : public Engine {
 
   /// Whether discs that meet are in neighbouring cells, if none is farther than `travel` from where
   /// it was sorted.
-  bool is_near(double travel) const
+  bool is_near(double travel) const { return travel < nearness(); }
+  double nearness() const
   {
-    double const diameter = 2 * model_.radius;
-    return diameter + 2 * travel < grid_.cells().side() * (1 - 1e-6) - rounding();
+    return (grid_.cells().side() * (1 - 1e-6) - rounding() - 2 * model_.radius) / 2;
   }
 
-  /// What rounding can add to a distance.
+  /// Whether discs sorted into neighbouring cells meet through one end of a periodic box at most.
+  bool has_one_image() const
+  {
+    auto const is_wide = [&](Boundary boundary, double length) {
+      return boundary == Boundary::walls || length > 4 * grid_.cells().side();
+    };
+    return is_wide(model_.box.x, model_.box.width) && is_wide(model_.box.y, model_.box.height);
+  }
+
+  /// For how many steps those that meet will be there, if no contact makes a disc faster.
+  int steps_near() const
+  {
+    double const gain = std::fabs(model_.gravity) * dt_;
+    double travel = 0;
+    for (int steps = 0; steps < longest_ahead; ++steps) {
+      travel += longest_path() + steps * gain * dt_ * (1 + 1e-6);
+      if (!is_near(travel))
+        return steps;
+    }
+    return longest_ahead;
+  }
+
+  /// More than rounding can add to a distance from one sort to the next.
   double rounding() const
   {
-    return 16 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+    return 8 * (2 + longest_ahead) * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
            (std::max(model_.box.width, model_.box.height) + longest_path());
   }
 
+  /// Side of cells [diameters]: the wider they are the longer discs stay near where they were
+  /// sorted; but three in a row should hold no more than a search reads at once.
+  static double cell_side(Model const& model, int discs)
+  {
+    constexpr double in_a_cell = 1.9, least = 1.5, most = 4;
+    double const area = model.box.width * model.box.height / std::max(discs, 1);
+    double const side = std::sqrt(in_a_cell * area) / (2 * model.radius);
+    return std::min(std::max(side, least), most);
+  }
+
  public: // nvcc takes device lambdas and launches only from public functions
+  template <bool periodic>
   void sort();
   template <bool periodic>
   ToiStep<Space, Real, periodic> this_step() const;
@@ -142,10 +176,12 @@ class TimeOfImpact : public Engine {
   ContactMemory<Space, Real> memory_;
   RunBooks<Space> books_;
   Inspection<Space, Real> inspection_;
-  Kokkos::View<Happened, Space> happened_; ///< in one kernel
-  bool is_sorted_ = false;
-  double travel_ = 0; ///< how far a disc can be from where it was sorted
-  double speed_ = 0;  ///< of the fastest disc; no less than that
+  Kokkos::View<Happened, Space> happened_;             ///< in one kernel
+  typename ContactMemory<Space, Real>::Counts counts_; ///< as the host last saw them
+  int ahead_ = 0;           ///< steps until discs are sorted again, at the latest
+  bool has_listed_ = false; ///< candidates
+  double travel_ = 0;       ///< how far a disc can be from where it was sorted
+  double speed_ = 0;        ///< of the fastest disc; no less than that
 };
 
 template <class Space, class Real>
@@ -155,7 +191,7 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    grid_(model, discs_.count(), cell_side),
+    grid_(model, discs_.count(), cell_side(model, discs_.count())),
     memory_(discs_.count()),
     books_(model, method.dt, initial),
     inspection_(model),
@@ -187,14 +223,23 @@ void TimeOfImpact<Space, Real>::require_fine_enough(Method const& method) const
         "or double precision)");
 }
 
-/// Stores the discs by cell, and finds the fastest.
+/// Stores the discs by cell, finds the fastest, and lists the candidates of the steps ahead.
 template <class Space, class Real>
+template <bool periodic>
 void TimeOfImpact<Space, Real>::sort()
 {
   grid_.sort(space_, discs_);
   speed_ = std::sqrt(inspection_.extremes(space_, discs_).speed2) * (1 + 1e-6);
   travel_ = 0;
-  is_sorted_ = true;
+  ahead_ = std::max(steps_near(), 1);
+  counts_ = {};
+  has_listed_ = ahead_ > 1 && has_one_image();
+  if (!has_listed_)
+    return;
+  Kokkos::deep_copy(space_, memory_.counts, counts_);
+  Kokkos::parallel_for("ricochet::list_candidates", Range(space_, 0, discs_.count()),
+                       ListCandidates<Space, Real, periodic>{this_step<periodic>(), grid_.cell()});
+  counts_ = value_after(space_, memory_.counts);
 }
 
 template <class Space, class Real>
@@ -225,6 +270,8 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
   auto const size = static_cast<Real>(diameter);
   auto const safe = static_cast<Real>(diameter + rounding());
   int const images_x = images(box.x, box.width), images_y = images(box.y, box.height);
+  bool const any_image = images_x + images_y > 0;
+  double const travel = travel_ + speed * dt_;
   return {memory_,
           discs_,
           Neighbours<Space, Real, periodic>(discs_, grid_.cells(), box),
@@ -234,8 +281,11 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
            Real(0)},
           size,
           safe * safe,
-          images_x + images_y > 0,
-          travel_ + speed * dt_,
+          static_cast<Real>(rounding()),
+          any_image,
+          is_near(travel) && !any_image,
+          static_cast<Real>(has_listed_ ? ahead_ * dt_ : dt_),
+          has_listed_ ? std::max(nearness(), travel) : travel,
           speed};
 }
 
@@ -244,9 +294,18 @@ template <bool periodic>
 void TimeOfImpact<Space, Real>::find_contacts()
 {
   ProfilingRegion const region("ricochet::find_contacts");
-  auto const counts = memory_.counts;
-  Kokkos::deep_copy(space_, counts, typename ContactMemory<Space, Real>::Counts{});
+  has_listed_ = has_listed_ && memory_.has_room(counts_.candidates);
+  typename ContactMemory<Space, Real>::Counts counts;
+  counts.candidates = counts_.candidates;
+  Kokkos::deep_copy(space_, memory_.counts, counts);
   auto const step = this_step<periodic>();
+  if (has_listed_) {
+    Kokkos::parallel_reduce("ricochet::find_among_candidates", Range(space_, 0, counts.candidates),
+                            FindAmongCandidates<Space, Real, periodic>{step},
+                            Merge<Happened, Space>(happened_));
+    enter_happened(1);
+    return;
+  }
   auto const find = [&](auto walls, auto near) {
     Kokkos::parallel_reduce("ricochet::find_contacts", Range(space_, 0, discs_.count()),
                             FindContacts<Space, Real, periodic, walls, near>{step, grid_.cell()},
@@ -285,7 +344,7 @@ void TimeOfImpact<Space, Real>::execute_round(int round, int called)
   enter_happened(round + 1);
   Kokkos::parallel_for("ricochet::find_new_contacts",
                        Range(space_, 0, std::min(2 * called, discs_.count())),
-                       FindNewContacts<Space, Real, periodic>{step, round});
+                       FindNewContacts<Space, Real, periodic>{step, grid_.cell(), round});
 }
 
 /// Enters what one kernel reported in the books of the run.
@@ -326,7 +385,7 @@ template <class Space, class Real>
 Report TimeOfImpact<Space, Real>::report()
 {
   inspection_.look(space_, grid_, discs_);
-  is_sorted_ = false;
+  ahead_ = 0; // it has sorted them
   auto report = books_.report(space_, discs_);
   inspection_.enter(report);
   return report;

@@ -18,6 +18,10 @@
 // lines, complete at all times because whoever changes its line looks for others, enters itself in
 // their lists and calls them up for the next round. Lists are in any order; what is taken from them
 // is the earliest.
+//
+// In the same way the search for those that meet in a step is made for several steps at once:
+// candidates are the pairs whose lines, and discs whose line and a wall, come together before the
+// discs are sorted again.
 #pragma once
 
 #include "ricochet/contacts.hpp"
@@ -67,9 +71,13 @@ struct ContactMemory {
   Ints list[2];                                ///< those called up for the odd and even rounds
   Ints changed;                                ///< those with new lines in this round
   Ints active;                                 ///< those called up in this step
+  /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
+  /// where it is a wall.
+  Kokkos::View<int* [2], Space> candidate;
 
   struct Counts {
     int list[2] = {0, 0}, changed = 0, active = 0;
+    int candidates = 0;
     double speed2 = 0; ///< of the last round
   };
   Kokkos::View<Counts, Space> counts;
@@ -84,6 +92,7 @@ struct ContactMemory {
            uninitialised<Ints>("ricochet::even_round", n)},
       changed(uninitialised<Ints>("ricochet::changed", n)),
       active(uninitialised<Ints>("ricochet::active", n)),
+      candidate(uninitialised<decltype(candidate)>("ricochet::candidates", n)),
       counts("ricochet::contact_counts")
   {
   }
@@ -106,6 +115,20 @@ struct ContactMemory {
       partner(slot, place) = other;
   }
 
+  /// Adds a candidate if there is room. More are counted than there are if there was not.
+  KOKKOS_INLINE_FUNCTION void add_candidate(int slot, int other) const
+  {
+    int const place = fetch_add<Space>(counts().candidates, 1);
+    if (place >= static_cast<int>(candidate.extent(0)))
+      return;
+    candidate(place, 0) = slot;
+    candidate(place, 1) = other;
+  }
+  bool has_room(int candidates) const
+  {
+    return candidates <= static_cast<int>(candidate.extent(0));
+  }
+
   KOKKOS_INLINE_FUNCTION bool has_list(int slot) const { return partners(slot) <= longest; }
 
   KOKKOS_INLINE_FUNCTION void reset(int slot) const
@@ -125,10 +148,14 @@ struct ToiStep {
   Arena<Real, periodic> arena;
   Real diameter;
   Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance
+  Real rounding;       ///< more than it may add to a distance
   bool any_image;      ///< whether discs may meet in more than their nearest images
-  double
-      travel; ///< farthest that any disc can get, by the end of the step, from where it was sorted
-  double speed; ///< of the fastest disc, also after a contact
+  bool is_near;        ///< whether discs that meet in it were sorted into neighbouring cells
+  Real until;          ///< time for which candidates are listed, or the end of the step
+  double travel;       ///< farthest that any disc is, up to then, from where it was sorted
+  double speed;        ///< of the fastest disc, also after a contact
+
+  KOKKOS_INLINE_FUNCTION bool lists_candidates() const { return until > arena.end; }
 
   /// Place of a disc at `time`.
   KOKKOS_INLINE_FUNCTION Vec2<Real> at(int i, Real time) const
@@ -149,11 +176,24 @@ struct ToiStep {
     return from + arena.time_to_touch(arena.domain.separation({0, 0}, d), w, met, arena.end - from);
   }
 
+  /// Whether disc i surely meets no wall on its line between two times.
+  KOKKOS_INLINE_FUNCTION bool misses_walls(int i, Real from, Real to) const
+  {
+    auto closer = arena;
+    closer.wall_x -= rounding;
+    closer.wall_y -= rounding;
+    return closer.misses_walls(arena.lab_position(at(i, from), from),
+                               arena.lab_velocity(discs.velocity(i), from), to - from);
+  }
+
   /// Enters two discs in each other's lists, and calls them up, if they meet in this step.
   KOKKOS_INLINE_FUNCTION void enter_meeting(int i, int j, int round) const
   {
-    if (!(meeting(i, j) < arena.end))
-      return;
+    if (meeting(i, j) < arena.end)
+      enter_partners(i, j, round);
+  }
+  KOKKOS_INLINE_FUNCTION void enter_partners(int i, int j, int round) const
+  {
     m.add_partner(i, j);
     m.add_partner(j, i);
     m.call_up(i, round);
@@ -182,20 +222,22 @@ struct ToiStep {
   }
 };
 
-/// Whether a disc may meet disc i on the line that it has from `since` on: a test of many slots at
-/// once, which passes some that do not meet it but none that do, unless they have met it before.
+/// Whether a disc overlaps disc i at time `since` or may meet it later, up to ToiStep::until, on
+/// the line that it has from then on: a test of many slots at once, which passes some that do not
+/// meet it but none that do.
 ///
 /// With b = d.w and c = d^2 - distance^2 no root of c + 2 b t + w^2 t^2 is earlier than c/(-2b);
-/// see time_to_meet(). So c <= -2 b (end - since) for those that meet; for those that separate the
-/// right hand side is negative. One comparison, for compilers turn several into branches.
+/// see time_to_meet(). So c <= -2 b (until - since) for those that meet; for those that separate
+/// the right hand side is negative, and 0 in its place. One comparison, for compilers turn several
+/// into branches.
 template <class Space, class Real, bool across_ends, bool at_start>
 struct MayMeet {
   Real const *x, *y, *vx, *vy;
   Domain<Real, across_ends> domain;
   Vec2<Real> p, w;
   Real since, distance2;
-  Real factor; ///< -2 (end - since), and a margin for rounding
-  Real least; ///< of the right hand side: at the start of the step 0, so that overlaps are seen too
+  Real factor; ///< -2 (until - since), and a margin for rounding
+  Real least;  ///< of the right hand side
 
   template <bool periodic>
   KOKKOS_INLINE_FUNCTION MayMeet(ToiStep<Space, Real, periodic> const& step,
@@ -209,8 +251,8 @@ struct MayMeet {
       w(step.discs.velocity(i)),
       since(from),
       distance2(step.safe_distance2),
-      factor(-2 * (1 + margin) * (step.arena.end - from)),
-      least(step.any_image ? infinity : (at_start ? Real(0) : -infinity))
+      factor(-2 * (1 + margin) * (step.until - from)),
+      least(step.any_image ? std::numeric_limits<Real>::infinity() : Real(0))
   {
   }
 
@@ -227,12 +269,63 @@ struct MayMeet {
   }
 
  private:
-  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
   static constexpr Real margin = 64 * std::numeric_limits<Real>::epsilon();
 };
 
-/// Finds who meets in the step, at walls too. The deepest overlap of discs at its start is entered
-/// in the books. `near`: whether discs that meet were sorted into neighbouring cells.
+/// Enters two discs in each other's lists, at the start of the step, if they meet in it. Their
+/// overlap is entered in the books.
+template <class Space, class Real, bool periodic>
+KOKKOS_FUNCTION void begin_with(ToiStep<Space, Real, periodic> const& step, int i, int k,
+                                Books& books)
+{
+  auto const& arena = step.arena;
+  auto const d = arena.domain.separation(step.discs.position(i), step.discs.position(k));
+  auto const w = step.discs.velocity(k) - step.discs.velocity(i);
+  Real const distance2 = dot(d, d);
+  if (distance2 < arena.diameter2) {
+    double const depth = overlap(static_cast<Real>(sqrt(distance2)), step.diameter);
+    books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
+  }
+  if (arena.time_to_touch(d, w, false, arena.end) < arena.end) // as in meeting()
+    step.enter_partners(i, k, 1);
+}
+
+/// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted.
+template <class Space, class Real, bool periodic>
+struct ListCandidates {
+  ToiStep<Space, Real, periodic> step;
+  typename CellGrid<Space, Real>::Ints cell;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  {
+    step.with_ends(step.discs.position(i), [&](auto const& ends) {
+      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+      MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
+      step.neighbours.template for_each_ahead_that<across_ends>(
+          cell(i), i, may_meet, [&](int k) { step.m.add_candidate(i, k); });
+    });
+    if (!step.misses_walls(i, 0, step.until))
+      step.m.add_candidate(i, partner::none);
+  }
+};
+
+/// Finds who of the candidates meets in the step.
+template <class Space, class Real, bool periodic>
+struct FindAmongCandidates {
+  ToiStep<Space, Real, periodic> step;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
+  {
+    int const i = step.m.candidate(place, 0), k = step.m.candidate(place, 1);
+    if (k != partner::none)
+      begin_with(step, i, k, happened.books);
+    else if (!step.misses_walls(i, 0, step.arena.end))
+      step.m.call_up(i, 1);
+  }
+};
+
+/// Finds who meets in the step, at walls too, among all. `near`: whether discs that meet were
+/// sorted into neighbouring cells.
 template <class Space, class Real, bool periodic, bool walls, bool near>
 struct FindContacts {
   ToiStep<Space, Real, periodic> step;
@@ -240,31 +333,20 @@ struct FindContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Happened& happened) const
   {
-    auto const& arena = step.arena;
     auto const p = step.discs.position(i), w = step.discs.velocity(i);
-    auto const look_at = [&](int k) { meet(i, k, happened.books); };
+    auto const look_at = [&](int k) { begin_with(step, i, k, happened.books); };
     step.with_ends(p, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
       MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
       if constexpr (near)
         step.neighbours.template for_each_ahead_that<across_ends>(cell(i), i, may_meet, look_at);
       else
-        step.neighbours.template for_each_near_that<across_ends>(p, step.reach(w, arena.end), i + 1,
-                                                                 may_meet, look_at);
+        step.neighbours.template for_each_near_that<across_ends>(p, step.reach(w, step.until),
+                                                                 i + 1, may_meet, look_at);
     });
     if constexpr (walls)
-      if (!arena.misses_walls(p, w, arena.end))
+      if (!step.misses_walls(i, 0, step.until))
         step.m.call_up(i, 1);
-  }
-
- private:
-  KOKKOS_FUNCTION void meet(int i, int k, Books& books) const
-  {
-    auto const d = step.arena.domain.separation(step.discs.position(i), step.discs.position(k));
-    Real const distance = sqrt(dot(d, d));
-    double const depth = overlap(distance, step.diameter);
-    books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
-    step.enter_meeting(i, k, 1);
   }
 };
 
@@ -466,6 +548,7 @@ struct ResolveContacts {
 template <class Space, class Real, bool periodic>
 struct FindNewContacts {
   ToiStep<Space, Real, periodic> step;
+  typename CellGrid<Space, Real>::Ints cell;
   int round;
 
   KOKKOS_INLINE_FUNCTION void operator()(int place) const
@@ -473,21 +556,36 @@ struct FindNewContacts {
     if (place >= step.m.counts().changed)
       return;
     int const i = step.m.changed(place);
-    Real const since = step.m.last(i).since, rest = step.arena.end - since;
+    Real const since = step.m.last(i).since;
     auto const q = step.at(i, since);
-    double const reach = step.reach(step.discs.velocity(i), rest);
+    auto const note = [&](int k) {
+      if (k != i)
+        enter(i, k);
+    };
     step.with_ends(q, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
       MayMeet<Space, Real, across_ends, false> const may_meet(step, ends, i, since);
-      step.neighbours.template for_each_near_that<across_ends>(q, reach, 0, may_meet, [&](int k) {
-        if (k != i)
-          step.enter_meeting(i, k, round + 1);
-      });
+      if (step.is_near)
+        step.neighbours.template for_each_around_that<across_ends>(cell(i), may_meet, note);
+      else
+        step.neighbours.template for_each_near_that<across_ends>(
+            q, step.reach(step.discs.velocity(i), step.until - since), 0, may_meet, note);
     });
+    if (step.lists_candidates() && !step.misses_walls(i, since, step.until))
+      step.m.add_candidate(i, partner::none);
     if (!step.m.has_list(i)) // who was to meet it is not known
       step.neighbours.template for_each_near_that<periodic>(
           q, step.travel + step.reach({static_cast<Real>(step.speed), 0}, step.arena.end), 0,
           [](int) { return true; }, [&](int k) { step.m.call_up(k, round + 1); });
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void enter(int i, int k) const
+  {
+    step.enter_meeting(i, k, round + 1);
+    bool const found_by_both = step.m.last(i).met == k && step.m.last(k).met == i;
+    if (step.lists_candidates() && !(found_by_both && i > k))
+      step.m.add_candidate(i, k);
   }
 };
 
