@@ -3,6 +3,7 @@
 //
 //   study_z [COLLISIONS [DISCS]]       collisions of each disc, 1000; discs, 16384
 
+#include "pressure.hpp"
 #include "scenes.hpp"
 
 #include <ricochet/engine.hpp>
@@ -19,46 +20,8 @@ namespace {
 
 using namespace ricochet;
 
-constexpr double pi = 3.14159265358979323846;
-
-/// Long runs of a serial event-driven program: 16,384 discs in a periodic box, 2,000 to 4,000
-/// collisions a disc. `error` is one standard error.
-struct Reference {
-  double packing, z, error;
-};
-constexpr Reference references[] = {
-    {0.05, 1.10834, 0.00002}, {0.10, 1.23615, 0.00006}, {0.20, 1.57033, 0.00017},
-    {0.30, 2.0631, 0.0004},   {0.40, 2.8294, 0.0006},   {0.50, 4.1071, 0.0007},
-    {0.55, 5.0869, 0.0007},   {0.60, 6.4535, 0.0009},   {0.65, 8.4121, 0.0015},
-    {0.68, 9.832, 0.005},     {0.698, 10.335, 0.007},
-};
-
-/// Collisions of a disc per time in a gas of pressure `z`: (4/sigma) (Z - 1) sqrt(T/pi). Exact in
-/// equilibrium, where the closing speeds of discs that meet have the mean of Maxwell's velocities.
-double enskog_rate(Model const& model, double z, double temperature)
-{
-  return 4 / (2 * model.radius) * (z - 1) * std::sqrt(temperature / pi);
-}
-
-/// Mean of numbers that come one by one, and its standard error if they are independent.
-class Mean {
- public:
-  void enter(double value)
-  {
-    ++count_;
-    double const step = value - mean_;
-    mean_ += step / count_;
-    squares_ += step * (value - mean_);
-  }
-  double value() const { return mean_; }
-  double error() const { return std::sqrt(squares_ / (count_ - 1) / count_); }
-
- private:
-  double count_ = 0, mean_ = 0, squares_ = 0;
-};
-
 /// Prints a line of the table. Returns whether energy was conserved.
-bool measure(Reference const& reference, double collisions, int discs)
+bool measure(perf::Pressure const& reference, double collisions, int discs)
 {
   constexpr int blocks = 20;
   auto const start = std::chrono::steady_clock::now();
@@ -66,13 +29,13 @@ bool measure(Reference const& reference, double collisions, int discs)
   Method method;
   method.engine = EngineKind::events;
   double const temperature = gas.thermal_speed * gas.thermal_speed;
-  method.dt = collisions / blocks / enskog_rate(gas.model, reference.z, temperature);
+  method.dt = collisions / blocks / perf::enskog_rate(gas.model, reference.z, temperature);
   auto const simulation = make_engine(gas.model, method, gas.discs);
 
   // Collisions from the lattice to the fluid. Near freezing that takes long, as does all change.
   double const melting = reference.packing < 0.67 ? 100 : 1000;
   simulation->advance(static_cast<std::int64_t>(std::ceil(melting / collisions * blocks)));
-  Mean z, ratio;
+  perf::Mean z, ratio;
   auto before = simulation->report();
   auto const first = before.collisions;
   for (int block = 0; block < blocks; ++block) {
@@ -82,7 +45,7 @@ bool measure(Reference const& reference, double collisions, int discs)
     double const rate = 2.0 * static_cast<double>(after.collisions - before.collisions) /
                         (static_cast<double>(after.discs) * method.dt);
     z.enter(*after.pressure_z);
-    ratio.enter(rate / enskog_rate(gas.model, *after.pressure_z, after.temperature));
+    ratio.enter(rate / perf::enskog_rate(gas.model, *after.pressure_z, after.temperature));
     before = after;
   }
   std::chrono::duration<double> const spent = std::chrono::steady_clock::now() - start;
@@ -110,7 +73,7 @@ int main(int argc, char** argv)
               collisions);
   std::printf("%7s  %-20s  %-20s  %7s  %-19s  %11s  %7s\n", "packing", "Z measured", "Z reference",
               "diff %", "rate / Enskog's", "collisions", "seconds");
-  for (auto const& reference : references)
+  for (auto const& reference : perf::pressures)
     if (!measure(reference, collisions, discs)) {
       std::fprintf(stderr, "study_z: energy is not conserved at packing %g\n", reference.packing);
       return 1;
