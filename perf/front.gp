@@ -8,6 +8,7 @@ set xrange [300:40000]
 set bars 0.6
 set yrange [0.01:120]
 set format y '%g'
+set xtics (500, 1000, 2000, 5000, 10000, 20000)
 set grid xtics ytics lt 1 lc rgb '#d0d0d0'
 set xlabel 'cost  [core-ns per disc and σ/v_{th}]'
 set ylabel '|error of Z|  [%]'
@@ -30,7 +31,7 @@ set multiplot layout 1,2 margins 0.06,0.985,0.1,0.93 spacing 0.065
 do for [panel = 1:2] {
   c = cost(panel)
   if (panel == 2) { unset key }
-  set title 'packing fraction '.(panel == 1 ? '0.2' : '0.5')
+  set title 'packing fraction '.(panel == 1 ? '0.2' : '0.5').'  (small numbers: q)'
   plot for [k = 1:6] data index k-1 using c:(drawn(column(c+1), column(c+2))) \
          with lines lc rgb colour[k] lw 1.5 notitle, \
        for [k = 1:6] '' index k-1 using c+0:(known(column(c+1), column(c+2))) :\
