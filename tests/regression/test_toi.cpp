@@ -108,6 +108,24 @@ TEST(ToiBits, AreTheReferencesForManyDiscs)
 {
   expect_reference_bits(fluid(700, 0.5, 1, 0, elastic, periodic, periodic, 7), {20});
   expect_reference_bits(fluid(700, 0.2, 4, 9.81, damping, walls, walls, 8), {20});
+  expect_reference_bits(fluid(700, 0.05, 8, 9.81, scaling, periodic, walls, 9), {40});
+}
+
+/// All discs are in a corner of a box that is sparse on the whole, so that they are sorted into
+/// large cells and there are more candidates than discs.
+TEST(ToiBits, AreTheReferencesInACrowd)
+{
+  for (double const speed : {0.3, 3.0}) {
+    auto scene = fluid(150, 0.75, speed, 0, damping, walls, walls, 11);
+    double const shift_x = 2 * scene.model.box.width, shift_y = 2 * scene.model.box.height;
+    for (auto& disc : scene.discs) {
+      disc.x -= shift_x;
+      disc.y -= shift_y;
+    }
+    scene.model.box.width *= 5;
+    scene.model.box.height *= 5;
+    expect_reference_bits(scene, {10, 40, 80});
+  }
 }
 
 /// A triangular lattice, all velocities equal and opposite in turn: everything happens at once.
