@@ -128,6 +128,21 @@ TEST(ToiBits, AreTheReferencesInACrowd)
   }
 }
 
+/// Boxes of one to a few cells, where discs have neighbours, or images of them, on both sides.
+TEST(ToiBits, AreTheReferencesInSmallPeriodicBoxes)
+{
+  std::uint64_t seed = 20;
+  for (std::size_t const count : {2, 3, 5, 9, 16})
+    for (double const packing : {0.05, 0.15, 0.3})
+      for (double const speed : {0.5, 5.0}) {
+        SCOPED_TRACE(testing::Message() << count << " discs, packing " << packing);
+        expect_reference_bits(fluid(count, packing, speed, 0, elastic, periodic, periodic, seed++),
+                              {25, 60});
+        expect_reference_bits(fluid(count, packing, speed, 9.81, scaling, periodic, walls, seed++),
+                              {25, 60});
+      }
+}
+
 /// A triangular lattice, all velocities equal and opposite in turn: everything happens at once.
 TEST(ToiBits, AreTheReferencesWhereEverythingIsSimultaneous)
 {
