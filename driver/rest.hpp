@@ -13,8 +13,8 @@ namespace ricochet::driver {
 ///   v = sqrt(2 g r/100).
 /// Looks are sqrt(r/g)/2 apart. A disc in flight gains g times that in between, 3.5 v, so it is
 /// not slow at two looks by being at the top of its flight at one of them. Only a disc that
-/// bounces in time with the looks is taken for one at rest, and those bounces are r/25 high at most:
-/// a bounce of height h takes sqrt(8 h/g), and the disc is slow for 2 v/g of that.
+/// bounces in time with the looks is taken for one at rest, and those bounces are r/25 high at
+/// most: a bounce of height h takes sqrt(8 h/g), and the disc is slow for 2 v/g of that.
 class RestWatch {
  public:
   /// `scene` has gravity.
