@@ -100,8 +100,7 @@ void check_rest(Scene const& scene, ProblemList& problems)
     return;
   auto const refuse = [&](std::string const& key, std::string const& why) {
     problems.add(blame(s, "run.until", {key}),
-                 fmt::format("found \"rest\", but discs never rest {}", why),
-                 "leave it out");
+                 fmt::format("found \"rest\", but discs never rest {}", why), "leave it out");
   };
   if (scene.model.gravity == 0)
     refuse("forces.gravity", "without gravity");
