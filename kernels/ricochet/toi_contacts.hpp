@@ -290,6 +290,24 @@ KOKKOS_FUNCTION void begin_with(ToiStep<Space, Real, periodic> const& step, int 
     step.enter_partners(i, k, 1);
 }
 
+/// Calls visit(k) for discs k that may meet disc i up to ToiStep::until, or overlap it, so that
+/// each pair is visited once. `near`: whether those that meet were sorted into neighbouring cells.
+template <bool near, class Space, class Real, bool periodic, class Visit>
+KOKKOS_INLINE_FUNCTION void for_each_that_may_meet(ToiStep<Space, Real, periodic> const& step,
+                                                   int cell, int i, Visit const& visit)
+{
+  auto const p = step.discs.position(i);
+  step.with_ends(p, [&](auto const& ends) {
+    constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+    MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
+    if constexpr (near)
+      step.neighbours.template for_each_ahead_that<across_ends>(cell, i, may_meet, visit);
+    else
+      step.neighbours.template for_each_near_that<across_ends>(
+          p, step.reach(step.discs.velocity(i), step.until), i + 1, may_meet, visit);
+  });
+}
+
 /// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted.
 template <class Space, class Real, bool periodic>
 struct ListCandidates {
@@ -298,12 +316,7 @@ struct ListCandidates {
 
   KOKKOS_INLINE_FUNCTION void operator()(int i) const
   {
-    step.with_ends(step.discs.position(i), [&](auto const& ends) {
-      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
-      MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
-      step.neighbours.template for_each_ahead_that<across_ends>(
-          cell(i), i, may_meet, [&](int k) { step.m.add_candidate(i, k); });
-    });
+    for_each_that_may_meet<true>(step, cell(i), i, [&](int k) { step.m.add_candidate(i, k); });
     if (!step.misses_walls(i, 0, step.until))
       step.m.add_candidate(i, partner::none);
   }
@@ -324,8 +337,7 @@ struct FindAmongCandidates {
   }
 };
 
-/// Finds who meets in the step, at walls too, among all. `near`: whether discs that meet were
-/// sorted into neighbouring cells.
+/// Finds who meets in the step, at walls too, among all.
 template <class Space, class Real, bool periodic, bool walls, bool near>
 struct FindContacts {
   ToiStep<Space, Real, periodic> step;
@@ -333,17 +345,8 @@ struct FindContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Happened& happened) const
   {
-    auto const p = step.discs.position(i), w = step.discs.velocity(i);
-    auto const look_at = [&](int k) { begin_with(step, i, k, happened.books); };
-    step.with_ends(p, [&](auto const& ends) {
-      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
-      MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
-      if constexpr (near)
-        step.neighbours.template for_each_ahead_that<across_ends>(cell(i), i, may_meet, look_at);
-      else
-        step.neighbours.template for_each_near_that<across_ends>(p, step.reach(w, step.until),
-                                                                 i + 1, may_meet, look_at);
-    });
+    for_each_that_may_meet<near>(step, cell(i), i,
+                                 [&](int k) { begin_with(step, i, k, happened.books); });
     if constexpr (walls)
       if (!step.misses_walls(i, 0, step.until))
         step.m.call_up(i, 1);
