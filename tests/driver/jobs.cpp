@@ -18,6 +18,17 @@ bool contains(std::string const& text, std::string const& part)
   return text.find(part) != std::string::npos;
 }
 
+Arguments all_of(std::string const& json, std::string const& key)
+{
+  std::string const mark = "\"" + key + "\": ";
+  Arguments values;
+  for (std::size_t at = json.find(mark); at != std::string::npos; at = json.find(mark, at)) {
+    at += mark.size();
+    values.push_back(json.substr(at, json.find_first_of(",\n", at) - at));
+  }
+  return values;
+}
+
 Arguments operator+(Arguments a, Arguments const& b)
 {
   a.insert(a.end(), b.begin(), b.end());

@@ -18,6 +18,9 @@ Arguments operator+(Arguments a, Arguments const& b);
 
 bool contains(std::string const& text, std::string const& part);
 
+/// The values of a key in a JSON text, in order.
+Arguments all_of(std::string const& json, std::string const& key);
+
 /// Writes a scene of 12,000 discs, so that two threads are used where there are two; and of so many
 /// steps that a signal sent early on comes before the end, however fast the machine.
 std::string write_gas(Folder const& folder);

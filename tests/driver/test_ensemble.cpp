@@ -12,18 +12,6 @@
 namespace ricochet::test {
 namespace {
 
-// The values of a key in a JSON text, in order.
-std::vector<std::string> all_of(std::string const& json, std::string const& key)
-{
-  std::string const mark = "\"" + key + "\": ";
-  std::vector<std::string> values;
-  for (std::size_t at = json.find(mark); at != std::string::npos; at = json.find(mark, at)) {
-    at += mark.size();
-    values.push_back(json.substr(at, json.find_first_of(",\n", at) - at));
-  }
-  return values;
-}
-
 #if defined(KOKKOS_ENABLE_OPENMP)
 constexpr char const* at_once_of_two_threads = "2";
 #else

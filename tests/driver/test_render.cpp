@@ -1,8 +1,8 @@
 // ricochet render as a process: what it writes, and what it says when it cannot.
 #include "exit_codes.hpp"
+#include "jobs.hpp"
 #include "pictures/frame_source.hpp"
 #include "pictures/render.hpp"
-#include "process.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -14,11 +14,6 @@ namespace ricochet::test {
 namespace {
 
 using driver::RenderOptions;
-
-bool contains(std::string const& text, std::string const& part)
-{
-  return text.find(part) != std::string::npos;
-}
 
 // Eleven frames, at times 0, 0.5 ... 5.
 std::string trajectory(Folder const& folder, std::vector<std::string> const& more = {})

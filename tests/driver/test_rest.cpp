@@ -72,11 +72,9 @@ TEST(Rest, DiscsThatTrembleAreAtRestAtTheSixthLook)
   EXPECT_TRUE(rests(tremble, 6));
 }
 
-std::string at_rest(Job const& job)
+Arguments at_rest(Job const& job)
 {
-  std::string const json = text_of(job.json()), key = "\"at_rest\": ";
-  std::size_t const start = json.find(key) + key.size();
-  return json.substr(start, json.find(',', start) - start);
+  return all_of(text_of(job.json()), "at_rest");
 }
 
 TEST(Rest, ARunUntilThenIsTheRunOfAsManySteps)
@@ -86,7 +84,7 @@ TEST(Rest, ARunUntilThenIsTheRunOfAsManySteps)
     Arguments const seven{scene("seven_discs.toml"), "--engine", engine, "--every", "7", "-q"};
     Job const until_rest{folder, "rest", seven + Arguments{"--until", "rest", "--duration", "500"}};
     ASSERT_EQ(ricochet(until_rest.run()).code, 0);
-    EXPECT_EQ(at_rest(until_rest), "true");
+    EXPECT_EQ(at_rest(until_rest), Arguments{"true"});
     auto const info = driver::describe(until_rest.trajectory());
     EXPECT_TRUE(is_complete(info));
     ASSERT_TRUE(info.last_step);
@@ -95,7 +93,7 @@ TEST(Rest, ARunUntilThenIsTheRunOfAsManySteps)
     Job const counted{folder, "counted",
                       seven + Arguments{"--steps", std::to_string(*info.last_step)}};
     ASSERT_EQ(ricochet(counted.run()).code, 0);
-    EXPECT_EQ(at_rest(counted), "null");
+    EXPECT_EQ(at_rest(counted), Arguments{"null"});
     EXPECT_EQ(text_of(until_rest.states()), text_of(counted.states()));
     expect_equal_trajectories(until_rest, counted);
   }
@@ -107,7 +105,7 @@ TEST(Rest, ARunThatDoesNotComeToItEndsAfterItsTime)
   Job const job{folder, "t", {scene("seven_discs.toml"), "--until", "rest", "--duration", "2"}};
   Outcome const outcome = ricochet(job.run());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(at_rest(job), "false");
+  EXPECT_EQ(at_rest(job), Arguments{"false"});
   EXPECT_EQ(driver::describe(job.trajectory()).last_step, 90);
 }
 

@@ -1,7 +1,7 @@
 // Scenes from their text to their result, by the program and by its parts.
 #include "exit_codes.hpp"
+#include "jobs.hpp"
 #include "outlook.hpp"
-#include "process.hpp"
 #include "random.hpp"
 #include "scene.hpp"
 #include "trajectory_reader.hpp"
@@ -18,18 +18,12 @@ namespace {
 
 using namespace driver;
 
-bool contains(std::string const& text, std::string const& part)
-{
-  return text.find(part) != std::string::npos;
-}
-
-// The text after `"key": ` in a summary.
+// The only value of `key` in a summary.
 std::string value(std::string const& json, std::string const& key)
 {
-  std::size_t const at = json.find("\"" + key + "\": ");
-  EXPECT_NE(at, std::string::npos) << key << "\n" << json;
-  std::size_t const start = at + key.size() + 4;
-  return json.substr(start, json.find_first_of(",\n", start) - start);
+  auto const values = all_of(json, key);
+  EXPECT_EQ(values.size(), 1u) << key << "\n" << json;
+  return values.empty() ? "" : values.front();
 }
 
 std::string hash_of(std::vector<std::string> arguments)
