@@ -337,12 +337,16 @@ void Reader::declare_scene(CLI::App* command, SceneOptions& scene)
       ->type_name("section.key=value")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_flag_callback(
-      "--relax",
-      [&scene] {
-        scene.overrides.push_back({"--relax", "discs.relax", "true"});
-      },
-      "Separate overlapping discs first");
+  auto const flag = [&](char const* name, char const* key, char const* value, char const* help) {
+    command->add_flag_callback(
+        name,
+        [&scene, name, key, value] {
+          scene.overrides.push_back({name, key, value});
+        },
+        help);
+  };
+  flag("--relax", "discs.relax", "true", "Separate overlapping discs first");
+  flag("--no-pairs", "contact.pairs", "false", "Discs pass through each other");
 }
 
 void Reader::declare_threads(CLI::App* command, KokkosOptions& kokkos)

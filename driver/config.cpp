@@ -220,6 +220,9 @@ std::string as_config(Settings const& s, ProblemList& problems)
   if (*s.law != Law::swap_scale)
     problems.add(blame(s, "contact.law"),
                  "contact.law is restitution (CONFIG.csv knows the original's alone, swap_scale)");
+  if (!*s.pairs)
+    problems.add(blame(s, "contact.pairs"),
+                 "contact.pairs is false (in CONFIG.csv discs always meet)");
   for (auto const& [setting, boundary] : {std::pair("box.x", *s.x), std::pair("box.y", *s.y)})
     if (boundary != Boundary::walls)
       problems.add(blame(s, setting),

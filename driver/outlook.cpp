@@ -74,7 +74,7 @@ Outlook outlook(Scene const& scene)
   }
   o.step_in_radii = o.fastest * dt / model.radius;
   o.step_in_sizes = std::sqrt(o.temperature) * dt / diameter;
-  if (n > 1 && o.temperature > 0) {
+  if (model.contact.pairs && n > 1 && o.temperature > 0) {
     o.collision_rate = 4 / diameter * excess_pressure(o.packing) * std::sqrt(o.temperature / pi);
     o.free_path = std::sqrt(pi * o.temperature / 2) / o.collision_rate;
     o.collisions_a_step = o.collision_rate * dt;
@@ -103,15 +103,17 @@ std::vector<std::string> doubts(Scene const& scene, Outlook const& o)
   bool const exact = engine == EngineKind::events; // whatever the step
   bool const looks_once = engine == EngineKind::sweep || engine == EngineKind::simultaneous;
   Overlaps const overlaps = find_overlaps(scene.model, scene.discs);
+  if (overlaps.outside > 0)
+    doubt(discs, fmt::format("{} discs poke through a wall", overlaps.outside),
+          "--relax moves them inside");
+  if (!scene.model.contact.pairs)
+    return list;
   if (overlaps.pairs > 0)
     doubt(
         discs,
         fmt::format("{} pairs of discs overlap, discs {} and {} by {:.2g} diameters (the deepest)",
                     overlaps.pairs, overlaps.first, overlaps.second, overlaps.deepest / diameter),
         "--relax separates them");
-  if (overlaps.outside > 0)
-    doubt(discs, fmt::format("{} discs poke through a wall", overlaps.outside),
-          "--relax moves them inside");
   if (looks_once && o.step_in_radii > 1)
     doubt(step,
           fmt::format("the fastest disc{} moves {:.3g} radii in a step (beyond 1 discs may pass "
@@ -174,7 +176,7 @@ std::string in_words(Scene const& scene, Outlook const& o)
       "box         {} x {}, x {}, y {}\n"
       "contact     {}, restitution {}, friction {}; gravity {}\n",
       scene.discs.size(), shortest(m.radius), o.packing, shortest(m.box.width),
-      shortest(m.box.height), axis(m.box.x), axis(m.box.y), name(m.contact.law),
+      shortest(m.box.height), axis(m.box.x), axis(m.box.y), name_of_law(m.contact),
       shortest(m.contact.restitution), shortest(m.contact.friction), shortest(m.gravity));
   text += fmt::format("motion      temperature {:.6g}, momentum ({:.3g}, {:.3g}), fastest {:.4g}\n",
                       o.temperature, o.momentum_x, o.momentum_y, o.fastest);

@@ -473,7 +473,7 @@ Summary Run::summary()
 {
   Summary s;
   s.engine = name(scene_.method.engine);
-  s.law = name(scene_.model.contact.law);
+  s.law = name_of_law(scene_.model.contact);
   s.precision = name(scene_.method.precision);
   s.backend = engine_->backend();
   s.threads = engine_->threads();

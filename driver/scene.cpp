@@ -104,7 +104,7 @@ void check_rest(Scene const& scene, ProblemList& problems)
   };
   if (scene.model.gravity == 0)
     refuse("forces.gravity", "without gravity");
-  else if (scene.method.engine == EngineKind::events)
+  else if (scene.method.engine == EngineKind::events && scene.model.contact.pairs)
     refuse("run.engine", "under engine events, which stops where contacts last");
 }
 
@@ -174,7 +174,7 @@ Model model_of(Settings const& settings)
   model.box = {*settings.width, *settings.height, *settings.x, *settings.y};
   model.radius = *settings.radius;
   model.gravity = *settings.gravity;
-  model.contact = {*settings.law, *settings.restitution, *settings.friction};
+  model.contact = {*settings.law, *settings.restitution, *settings.friction, *settings.pairs};
   return model;
 }
 

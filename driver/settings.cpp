@@ -333,6 +333,7 @@ std::vector<Key> const& keys()
       real("contact.restitution", &S::restitution, "a decimal number", anything),
       real("contact.friction", &S::friction, "a decimal number", anything),
       choice("contact.law", &S::law, by_name<Law>({Law::swap_scale, Law::restitution})),
+      boolean("contact.pairs", &S::pairs),
       real("run.duration", &S::duration, "a decimal number >= 0", not_negative),
       integer("run.steps", &S::steps, 0, most_steps, "run.duration"),
       choice<Until>("run.until", &S::until, {{"duration", Until::duration}, {"rest", Until::rest}}),

@@ -53,6 +53,7 @@ struct Settings {
   std::optional<double> gravity = 9.81;
   std::optional<double> restitution = 0.93, friction = 0.93;
   std::optional<Law> law = Law::swap_scale;
+  std::optional<bool> pairs = true; ///< whether discs meet each other
 
   std::optional<double> duration = 60;
   std::optional<std::int64_t> steps; ///< instead of a duration

@@ -410,7 +410,7 @@ void TrajectoryFile::create_parameters()
   hdf5::write_attribute(group, "steps", header_.steps);
   hdf5::write_attribute(group, "every", header_.every);
   hdf5::write_text_attribute(group, "engine", name(header_.method.engine));
-  hdf5::write_text_attribute(group, "law", name(model.contact.law));
+  hdf5::write_text_attribute(group, "law", name_of_law(model.contact));
   hdf5::write_text_attribute(group, "precision", name(header_.method.precision));
 
   // VMD's H5MD plugin takes the size and the name of what it draws from here.

@@ -52,17 +52,14 @@ KOKKOS_INLINE_FUNCTION double virial_of(PairVelocity<Real> const& before,
   return 0.5 * dot(kick, as<double>(separation));
 }
 
-/// Enters the extremes of a sorted state in the books: the deepest overlap, the farthest beyond a
-/// wall.
+/// Enters the deepest overlap of a sorted state in the books.
 template <class Space, class Real, bool periodic>
-struct EnterExtremes {
+struct EnterOverlaps {
   PairState<Space, Real, periodic> state;
   Neighbours<Space, Real, periodic> neighbours;
-  Outside outside;
 
   KOKKOS_INLINE_FUNCTION void operator()(int slot, Books& books) const
   {
-    outside.enter(state.discs.position(slot), books.max_outside);
     Real const reach2 = state.diameter * state.diameter;
     neighbours.for_each_ahead(state.cell(slot), slot, reach2, [&](int, Vec2<Real> d) {
       double const depth = overlap(static_cast<Real>(sqrt(dot(d, d))), state.diameter);

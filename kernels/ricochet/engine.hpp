@@ -166,6 +166,8 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
 /// Name of an engine as it stands in scenes and on the command line, such as "sweep".
 char const* name(EngineKind engine);
 char const* name(Law law);
+/// Of the law that discs follow when they meet; "none" if they do not.
+char const* name_of_law(Contact const& contact);
 char const* name(Precision precision);
 
 /// All engines, in the order of the ladder.

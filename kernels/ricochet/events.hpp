@@ -66,7 +66,7 @@ class EventDriven : public Engine {
     remaining_ = dt_;
     while (remaining_ > 0)
       remaining_ -= is_periodic(model_.box) ? interval<true>() : interval<false>();
-    books_.count_step();
+    books_.count_steps(1);
   }
 
   /// Advances all discs until a disc leaves what the lists of neighbours cover, or to the end of

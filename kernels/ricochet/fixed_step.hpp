@@ -42,8 +42,8 @@ class FixedStep : public Engine {
       diameter_(static_cast<Real>(2) * static_cast<Real>(model.radius)),
       law_(contact_law<Real>(model.contact)),
       discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-      grid_(model, discs_.count()),
-      pairs_(grid_, 2 * model.radius, method.execution, discs_.count()),
+      grid_(model, model.contact.pairs ? discs_.count() : 0),
+      pairs_(grid_, 2 * model.radius, method.execution, model.contact.pairs ? discs_.count() : 0),
       books_(model, method.dt, initial),
       part_("ricochet::part_of_books")
   {
@@ -86,11 +86,13 @@ class FixedStep : public Engine {
   void step()
   {
     ProfilingRegion const region("ricochet::step");
-    grid_.sort(space_, discs_);
-    resolve_contacts();
+    if (model_.contact.pairs) {
+      grid_.sort(space_, discs_);
+      resolve_contacts();
+    }
     fly_and_bounce_off_walls();
     enter<Space>(space_, books_.view(), part_);
-    books_.count_step();
+    books_.count_steps(1);
   }
 
  public: // nvcc takes device lambdas and launches only from public functions
@@ -162,13 +164,22 @@ void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
 template <class Space, class Real, class PairStep>
 void FixedStep<Space, Real, PairStep>::look_at_start()
 {
+  Kokkos::RangePolicy<Space> const all(space_, 0, discs_.count());
+  Outside const outside(model_);
+  auto const discs = discs_;
+  Kokkos::parallel_reduce(
+      "ricochet::find_outside", all,
+      KOKKOS_LAMBDA(int i, Books& books) { outside.enter(discs.position(i), books.max_outside); },
+      Merge<Books, Space>(part_));
+  enter<Space>(space_, books_.view(), part_);
+  if (!model_.contact.pairs)
+    return;
   grid_.sort(space_, discs_);
   with_boundaries([&](auto periodic) {
     auto const state = pair_state<periodic>();
-    Kokkos::parallel_reduce(
-        "ricochet::look_at_start", Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
-        EnterExtremes<Space, Real, periodic>{state, state.neighbours(), Outside(model_)},
-        Merge<Books, Space>(part_));
+    Kokkos::parallel_reduce("ricochet::find_deepest_overlap", all,
+                            EnterOverlaps<Space, Real, periodic>{state, state.neighbours()},
+                            Merge<Books, Space>(part_));
   });
   enter<Space>(space_, books_.view(), part_);
 }

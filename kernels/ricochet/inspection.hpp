@@ -8,8 +8,29 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace ricochet {
+
+/// Throws std::invalid_argument if places are too coarse for the way of a thermal disc in a step.
+/// With steps of a third of the spacing of places and less, discs collide too often, and then
+/// freeze.
+template <class Real>
+void require_fine_enough(Model const& model, Method const& method, double temperature)
+{
+  if (!std::is_same_v<Real, float>)
+    return;
+  auto const far = static_cast<Real>(std::max(model.box.width, model.box.height) / 2);
+  double const spacing = static_cast<double>(std::nextafter(far, 2 * far) - far);
+  double const way = std::sqrt(temperature) * method.dt;
+  if (way > 0 && spacing > 0.1 * way)
+    throw std::invalid_argument(
+        std::string("engine ") + name(method.engine) +
+        " cannot simulate this scene:\n  numbers of single precision are " +
+        std::to_string(spacing / way) +
+        " of a thermal disc's way in a step apart in this box; allowed: up to 0.1 (a longer step, "
+        "or double precision)");
+}
 
 /// Fastest disc and farthest excursion of a state.
 struct Extremes {
@@ -32,6 +53,13 @@ class Inspection {
   /// Throws std::invalid_argument if the state is not one of separate discs between the walls.
   void require_separate(Space const& space, CellGrid<Space, Real>& grid, Discs<Space, Real>& discs,
                         Method const& method);
+
+  /// Throws std::invalid_argument if a disc is not between the walls, or too fast.
+  void require_inside(Space const& space, Discs<Space, Real> const& discs, Method const& method)
+  {
+    note(extremes(space, discs), static_cast<Real>(2 * model_.radius));
+    require_none(problems(space, discs, method), method);
+  }
 
   /// Looks at a state, which is sorted for it.
   void look(Space const& space, CellGrid<Space, Real>& grid, Discs<Space, Real>& discs)
@@ -71,6 +99,15 @@ class Inspection {
  private:
   using Range = Kokkos::RangePolicy<Space>;
 
+  std::string problems(Space const& space, Discs<Space, Real> const& discs,
+                       Method const& method) const;
+  static void require_none(std::string const& problems, Method const& method)
+  {
+    if (!problems.empty())
+      throw std::invalid_argument(std::string("engine ") + name(method.engine) +
+                                  " cannot simulate this scene:" + problems);
+  }
+
   Model model_;
   Kokkos::View<Extremes, Space> extremes_;
   double max_overlap_ = 0, max_outside_ = 0;
@@ -80,24 +117,31 @@ template <class Space, class Real>
 void Inspection<Space, Real>::require_separate(Space const& space, CellGrid<Space, Real>& grid,
                                                Discs<Space, Real>& discs, Method const& method)
 {
+  look(space, grid, discs);
+  std::string found = problems(space, discs, method);
+  if (packing_fraction(model_, static_cast<std::size_t>(discs.count())) > densest_packing)
+    found += "\n  discs cover more of the box than is possible without overlaps, 90.69 %";
+  require_none(found, method);
+}
+
+/// What is wrong with a state that was looked at.
+template <class Space, class Real>
+std::string Inspection<Space, Real>::problems(Space const& space, Discs<Space, Real> const& discs,
+                                              Method const& method) const
+{
   // What rounding can leave of a valid state, and no more.
   bool const is_double = method.precision == Precision::double_;
   double const tolerance = is_double ? 1e-9 : 1e-4;
   double const fastest = is_double ? 1e70 : 1e12;
-  look(space, grid, discs);
-  std::string problem;
+  std::string found;
   if (max_overlap_ > tolerance)
-    problem += "\n  discs overlap, by up to " + std::to_string(max_overlap_) + " diameters";
+    found += "\n  discs overlap, by up to " + std::to_string(max_overlap_) + " diameters";
   if (max_outside_ > tolerance)
-    problem +=
+    found +=
         "\n  discs reach beyond a wall, by up to " + std::to_string(max_outside_) + " diameters";
-  if (packing_fraction(model_, static_cast<std::size_t>(discs.count())) > densest_packing)
-    problem += "\n  discs cover more of the box than is possible without overlaps, 90.69 %";
   if (!(extremes(space, discs).speed2 < fastest * fastest))
-    problem += "\n  a disc is faster than its collisions can be computed";
-  if (!problem.empty())
-    throw std::invalid_argument(std::string("engine ") + name(method.engine) +
-                                " cannot simulate this scene:" + problem);
+    found += "\n  a disc is faster than its collisions can be computed";
+  return found;
 }
 
 template <class Space, class Real>

@@ -33,6 +33,7 @@ struct Contact {
   Law law = Law::swap_scale;
   double restitution = 0.93; ///< elastic coefficient alpha, 0...1; 1 is elastic
   double friction = 0.93;    ///< friction coefficient beta, 0...1; 1 is frictionless
+  bool pairs = true;         ///< whether discs meet; if not, they pass through each other
 };
 
 /// Everything that determines the motion, apart from the initial state and the method.

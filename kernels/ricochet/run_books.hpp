@@ -36,7 +36,7 @@ class RunBooks {
   /// What they have entered so far; waits for them.
   Books entries(Space const& space) const { return value_after(space, books_); }
 
-  void count_step() { ++steps_; }
+  void count_steps(std::int64_t steps) { steps_ += steps; }
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * dt_; }
 

@@ -11,8 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <variant>
 
 namespace ricochet {
@@ -80,7 +78,7 @@ class TimeOfImpact : public Engine {
     resolve_contacts<periodic>();
     fly();
     --ahead_;
-    books_.count_step();
+    books_.count_steps(1);
   }
 
   template <bool periodic>
@@ -165,8 +163,6 @@ class TimeOfImpact : public Engine {
   void enter_happened(int next_round);
 
  private:
-  void require_fine_enough(Method const& method) const;
-
   Space space_ = own_instance<Space>();
   Model model_;
   double dt_;
@@ -202,25 +198,7 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     wrap_all(space_, discs_, Domain<Real, true>(model_.box));
   books_.begin(space_, discs_);
   inspection_.require_separate(space_, grid_, discs_, method);
-  if (method.precision == Precision::single_)
-    require_fine_enough(method);
-}
-
-/// Throws std::invalid_argument if places are too coarse for the way of a disc in a step. With
-/// steps of a third of the spacing of places and less, discs collide too often, and then freeze.
-template <class Space, class Real>
-void TimeOfImpact<Space, Real>::require_fine_enough(Method const& method) const
-{
-  auto const far = static_cast<Real>(std::max(model_.box.width, model_.box.height) / 2);
-  double const spacing = static_cast<double>(std::nextafter(far, 2 * far) - far);
-  auto const report = books_.report(space_, discs_);
-  double const way = std::sqrt(report.temperature) * method.dt;
-  if (way > 0 && spacing > 0.1 * way)
-    throw std::invalid_argument(
-        "engine toi cannot simulate this scene:\n  numbers of single precision are " +
-        std::to_string(spacing / way) +
-        " of a thermal disc's way in a step apart in this box; allowed: up to 0.1 (a longer step, "
-        "or double precision)");
+  require_fine_enough<Real>(model, method, books_.report(space_, discs_).temperature);
 }
 
 /// Stores the discs by cell, finds the fastest, and lists the candidates of the steps ahead.

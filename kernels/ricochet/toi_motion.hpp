@@ -41,13 +41,6 @@ struct Land {
     else
       return p;
   }
-
- private:
-  KOKKOS_INLINE_FUNCTION static Real clamped(Real place, Real most)
-  {
-    Real const low = place < -most ? -most : place;
-    return low > most ? most : low;
-  }
 };
 
 /// Enters in the books what it means that a disc with contacts was kept inside, and forgets its
@@ -79,26 +72,11 @@ void with_landing(Discs<Space, Real> const& discs, Model const& model, double dt
 {
   auto const step = static_cast<Real>(dt), g = static_cast<Real>(model.gravity);
   auto const limits = centre_limits<Real>(model);
-  auto const launch = [&](auto gravity, auto walls, auto periodic) {
+  with_terms(model, [&](auto gravity, auto walls, auto periodic) {
     use(Land<Space, Real, gravity, walls, periodic>{discs, Domain<Real, periodic>(model.box), step,
                                                     g * step * step / 2, g * step, limits.x,
                                                     limits.y});
-  };
-  auto const with_boundaries = [&](auto gravity) {
-    std::true_type const yes;
-    std::false_type const no;
-    bool const x = model.box.x == Boundary::walls, y = model.box.y == Boundary::walls;
-    if (x && y)
-      launch(gravity, yes, no);
-    else if (x || y)
-      launch(gravity, yes, yes);
-    else
-      launch(no, no, yes); // discs would fall for ever
-  };
-  if (model.gravity != 0)
-    with_boundaries(std::true_type{});
-  else
-    with_boundaries(std::false_type{});
+  });
 }
 
 } // namespace ricochet

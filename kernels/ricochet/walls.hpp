@@ -48,6 +48,36 @@ Vec2<Real> centre_limits(Model const& model)
   return {limit(model.box.x, model.box.width), limit(model.box.y, model.box.height)};
 }
 
+/// A coordinate brought between -`most` and `most`.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real clamped(Real place, Real most)
+{
+  Real const low = place < -most ? -most : place;
+  return low > most ? most : low;
+}
+
+/// Calls use(gravity, walls, periodic): whether there is gravity, and any axis that has walls, or
+/// is periodic.
+template <class Use>
+void with_terms(Model const& model, Use const& use)
+{
+  std::true_type const yes;
+  std::false_type const no;
+  bool const x = model.box.x == Boundary::walls, y = model.box.y == Boundary::walls;
+  auto const with_boundaries = [&](auto gravity) {
+    if (x && y)
+      use(gravity, yes, no);
+    else if (x || y)
+      use(gravity, yes, yes);
+    else
+      use(no, no, yes); // discs would fall for ever
+  };
+  if (model.gravity != 0)
+    with_boundaries(yes);
+  else
+    with_boundaries(no);
+}
+
 /// One wall's rule: the position is mirrored at the wall, the normal velocity multiplied by -alpha
 /// and the tangential velocity by beta.
 template <class Real, bool dissipative>

@@ -12,6 +12,9 @@ template <class Real>
 std::unique_ptr<Engine> make_fixed_step(Model const& model, Method const& method,
                                         std::vector<DiscState> const& initial, bool one_thread);
 template <class Real>
+std::unique_ptr<Engine> make_free_flight(Model const& model, Method const& method,
+                                         std::vector<DiscState> const& initial, bool one_thread);
+template <class Real>
 std::unique_ptr<Engine> make_time_of_impact(Model const& model, Method const& method,
                                             std::vector<DiscState> const& initial, bool one_thread);
 template <class Real>

@@ -60,12 +60,15 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
   auto const make = [&](auto real) {
     using Real = decltype(real);
     switch (method.engine) {
-    case EngineKind::toi:
-      return make_time_of_impact<Real>(model, method, initial, one_thread);
-    case EngineKind::events:
-      return make_event_driven<Real>(model, method, initial, one_thread);
-    default:
+    case EngineKind::sweep:
+    case EngineKind::simultaneous:
       return make_fixed_step<Real>(model, method, initial, one_thread);
+    case EngineKind::toi:
+      return model.contact.pairs ? make_time_of_impact<Real>(model, method, initial, one_thread)
+                                 : make_free_flight<Real>(model, method, initial, one_thread);
+    default:
+      return model.contact.pairs ? make_event_driven<Real>(model, method, initial, one_thread)
+                                 : make_free_flight<Real>(model, method, initial, one_thread);
     }
   };
   return method.precision == Precision::single_ ? make(float{}) : make(double{});
@@ -89,6 +92,11 @@ char const* name(EngineKind engine)
 char const* name(Law law)
 {
   return law == Law::swap_scale ? "swap_scale" : "restitution";
+}
+
+char const* name_of_law(Contact const& contact)
+{
+  return contact.pairs ? name(contact.law) : "none";
 }
 
 char const* name(Precision precision)
