@@ -41,6 +41,7 @@ struct FlyAlone {
 
  private:
   static constexpr Real never = std::numeric_limits<Real>::infinity();
+  static constexpr Real negligible = 0x1p-40; ///< share of a step; so hits can be counted
 
   struct Motion {
     Vec2<Real> place, velocity;
@@ -117,7 +118,7 @@ struct FlyAlone {
   /// A disc that returns to the wall n times does so with alpha^n of its speed u, each time after
   /// 2 alpha^n u/g; for ever, that takes 2 alpha u/(g (1 - alpha)). If no more than that is left,
   /// it comes to rest: normal velocity 0, and beta^n = 0 of the tangential, or all of it if beta
-  /// = 1.
+  /// = 1. So it does if one flight is negligible, whatever alpha is.
   KOKKOS_INLINE_FUNCTION bool bounce_in_y(Motion& disc, Real& left, Books& books) const
   {
     auto const before = disc;
@@ -127,7 +128,8 @@ struct FlyAlone {
     disc.velocity = {wall.tangential(v.x), wall.normal(v.y)};
     Real const pull = below ? g : -g; // towards the wall
     Real const flight = pull > 0 ? 2 * fabs(v.y) / pull : never;
-    bool const rests = flight == 0 || wall.alpha * flight <= (1 - wall.alpha) * left;
+    bool const rests =
+        flight <= negligible * left || wall.alpha * flight <= (1 - wall.alpha) * left;
     std::int64_t hits = v.y == 0 ? 0 : 1;
     if (rests)
       disc.velocity = {wall.beta < 1 ? Real(0) : v.x, 0};
@@ -160,7 +162,7 @@ struct FlyAlone {
     };
     if (!fits(1, 1))
       return 0;
-    while (n < most_at_once && fits(1 + normal, 1 + normal * tangential)) {
+    while (fits(1 + normal, 1 + normal * tangential)) {
       time = time * (1 + normal);
       way = way * (1 + normal * tangential);
       normal = normal * normal;
@@ -172,7 +174,6 @@ struct FlyAlone {
     v = {tangential * v.x, normal * v.y};
     return n;
   }
-  static constexpr std::int64_t most_at_once = std::int64_t(1) << 40;
 
   KOKKOS_INLINE_FUNCTION void enter(std::int64_t hits, Motion const& before, Motion const& after,
                                     Books& books) const
