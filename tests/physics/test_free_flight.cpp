@@ -168,6 +168,22 @@ TEST_P(FreeFlight, IsThatFromBounceToBounceInStepsOfAnyLength)
         }
 }
 
+/// Balls that reach the ceiling, and lower ones: with many flights in one step, of which each loses
+/// some speed along the floor.
+TEST_P(FreeFlight, IsThatFromBounceToBounceInOneLongStep)
+{
+  for (auto const& contact : {elastic, apart(0.98, 0.95)})
+    for (double const speed : {3.0, 6.0, 9.0, 15.0}) {
+      auto const scene = alone(2, contact, {1, -19, 2, speed}, 50);
+      Bouncing bouncing(scene.model, scene.discs[0]);
+      bouncing.fly(50);
+      auto const run = start(scene, GetParam());
+      run->advance(1);
+      EXPECT_TRUE(close(states(run), {bouncing.state()}, 40 * 1e4 * unit())) << speed;
+      EXPECT_EQ(run->report().wall_hits, bouncing.hits) << speed;
+    }
+}
+
 /// Through whatever walls and gravity do, it is the path of the disc alone, to the bit.
 TEST(DiscsThatDoNotMeet, PassThroughEachOther)
 {
