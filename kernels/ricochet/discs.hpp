@@ -7,6 +7,12 @@
 
 namespace ricochet {
 
+/// Place and velocity of one disc.
+template <class Real>
+struct Motion {
+  Vec2<Real> place, velocity;
+};
+
 /// Positions, velocities and ids of N discs, one View a component.
 ///
 /// A disc's place in the arrays (its slot) is a matter of storage and changes when discs are sorted
@@ -38,6 +44,11 @@ struct Discs {
 
   KOKKOS_INLINE_FUNCTION Vec2<Real> position(int slot) const { return {x(slot), y(slot)}; }
   KOKKOS_INLINE_FUNCTION Vec2<Real> velocity(int slot) const { return {vx(slot), vy(slot)}; }
+
+  KOKKOS_INLINE_FUNCTION Motion<Real> motion(int slot) const
+  {
+    return {position(slot), velocity(slot)};
+  }
 
   KOKKOS_INLINE_FUNCTION void set_position(int slot, Vec2<Real> p) const
   {

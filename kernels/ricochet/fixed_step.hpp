@@ -14,15 +14,23 @@
 namespace ricochet {
 
 /// A disc's motion through a step, and then its walls.
-template <class Flight, class Walls>
+template <class Space, class Real, class Flight, class Walls>
 struct FlyThenBounce {
+  Discs<Space, Real> discs;
   Flight fly;
   Walls bounce;
 
   KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
   {
-    fly(i);
-    bounce(i, books);
+    auto const disc = fly(discs.motion(i));
+    auto const p = bounce.domain.wrapped(disc.place);
+    discs.set_position(i, p);
+    if constexpr (Flight::accelerates)
+      discs.vy(i) = disc.velocity.y;
+    if (bounce.hits(p)) {
+      auto const own = bounce; // see RICOCHET_APART
+      own(discs.x.data(), discs.y.data(), discs.vx.data(), discs.vy.data(), i, books);
+    }
   }
 };
 
@@ -149,12 +157,13 @@ void FixedStep<Space, Real, PairStep>::resolve_contacts()
 template <class Space, class Real, class PairStep>
 void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
 {
-  with_flight(discs_, model_.gravity, dt_, [&](auto const& fly) {
-    with_walls(discs_, model_, books_.scales(), [&](auto const& bounce) {
+  with_flight<Real>(model_.gravity, dt_, [&](auto const& fly) {
+    with_walls<Real>(model_, books_.scales(), [&](auto const& bounce) {
       Kokkos::parallel_reduce(
           "ricochet::fly_and_bounce_off_walls",
-          Kokkos::RangePolicy<Space>(space_, 0, discs_.count()),
-          FlyThenBounce<std::decay_t<decltype(fly)>, std::decay_t<decltype(bounce)>>{fly, bounce},
+          Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>(space_, 0, discs_.count()),
+          FlyThenBounce<Space, Real, std::decay_t<decltype(fly)>, std::decay_t<decltype(bounce)>>{
+              discs_, fly, bounce},
           Merge<Books, Space>(part_));
     });
   });

@@ -7,33 +7,32 @@ namespace ricochet {
 
 /// The original's motion over one step, semi-implicit Euler: v' = v - g dt, x' = x + v' dt.
 /// Each step changes a disc's energy by exactly -(g dt)^2 / 2, see flight_error().
-template <class Space, class Real, bool gravity>
+template <class Real, bool gravity>
 struct Fly {
-  Discs<Space, Real> discs;
+  static constexpr bool accelerates = gravity;
+
   Real dt;
   Real velocity_gain; ///< g dt
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  KOKKOS_INLINE_FUNCTION Motion<Real> operator()(Motion<Real> disc) const
   {
-    auto v = discs.velocity(i);
-    if constexpr (gravity) {
-      v.y = v.y - velocity_gain;
-      discs.vy(i) = v.y;
-    }
-    discs.set_position(i, discs.position(i) + dt * v);
+    if constexpr (gravity)
+      disc.velocity.y = disc.velocity.y - velocity_gain;
+    disc.place = disc.place + dt * disc.velocity;
+    return disc;
   }
 };
 
 /// Calls use(fly) with the motion through one step, of discs that walls and others ignore.
-template <class Space, class Real, class Use>
-void with_flight(Discs<Space, Real> const& discs, double gravity, double dt, Use const& use)
+template <class Real, class Use>
+void with_flight(double gravity, double dt, Use const& use)
 {
   auto const step = static_cast<Real>(dt);
   auto const gain = static_cast<Real>(gravity) * step;
   if (gravity != 0)
-    use(Fly<Space, Real, true>{discs, step, gain});
+    use(Fly<Real, true>{step, gain});
   else
-    use(Fly<Space, Real, false>{discs, step, gain});
+    use(Fly<Real, false>{step, gain});
 }
 
 /// Energy that Fly gives a disc in one step. With G = g dt:

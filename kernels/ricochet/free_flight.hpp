@@ -9,67 +9,27 @@
 
 namespace ricochet {
 
-/// Takes a disc through steps of length dt, one after another: along its parabola
-///   x' = x + v t - g t^2/2,   v' = v - g t
-/// from wall to wall. `walls` and `periodic` say whether any axis of the box has or is that.
-template <class Space, class Real, bool gravity, bool walls, bool periodic>
-struct FlyAlone {
-  Discs<Space, Real> discs;
+/// The way of a disc through a step in which it meets walls, from one to the next.
+template <class Real, bool periodic>
+struct Bounces {
   Domain<Real, periodic> domain;
-  std::int64_t steps;
-  Real dt;
-  Real g;
+  Real dt, g;
   Vec2<Real> high; ///< the most that |x| and |y| of a centre can be; infinite on a periodic axis
   WallRule<Real, true> wall;
   Scales scales;
 
-  /// Of all steps, without walls; with them what happened is entered in the books.
-  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  /// The step of disc i of these places and velocities.
+  RICOCHET_APART void operator()(Real* x, Real* y, Real* vx, Real* vy, int i, Books& books) const
   {
-    Books none;
-    (*this)(i, none);
-  }
-  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
-  {
-    Motion disc{discs.position(i), discs.velocity(i)};
-    for (std::int64_t k = 0; k < steps; ++k)
-      step(disc, books);
-    discs.set_position(i, disc.place);
-    if constexpr (gravity || walls)
-      discs.set_velocity(i, disc.velocity);
+    auto const after = at_end({{x[i], y[i]}, {vx[i], vy[i]}}, books);
+    x[i] = after.place.x;
+    y[i] = after.place.y;
+    vx[i] = after.velocity.x;
+    vy[i] = after.velocity.y;
   }
 
  private:
-  static constexpr Real never = std::numeric_limits<Real>::infinity();
-  static constexpr Real negligible = 0x1p-40; ///< share of a step; so hits can be counted
-
-  struct Motion {
-    Vec2<Real> place, velocity;
-  };
-
-  KOKKOS_INLINE_FUNCTION void step(Motion& disc, Books& books) const
-  {
-    auto const straight = disc.place + dt * disc.velocity;
-    auto end = straight;
-    if constexpr (gravity)
-      end.y = end.y - g * dt * dt / 2;
-    if constexpr (walls) {
-      // Neither end of an arc is its highest point when it first rises, against the fall; the end
-      // without the fall is higher.
-      bool const is_free =
-          fabs(end.x) < high.x && fabs(end.y) < high.y && (!gravity || fabs(straight.y) < high.y);
-      if (!is_free) {
-        fly_among_walls(disc, books);
-        return;
-      }
-    }
-    disc.place = domain.wrapped(end);
-    if constexpr (gravity)
-      disc.velocity.y = disc.velocity.y - g * dt;
-  }
-
-  /// A step with bounces, or with rest on a wall.
-  KOKKOS_FUNCTION void fly_among_walls(Motion& disc, Books& books) const
+  KOKKOS_FUNCTION Motion<Real> at_end(Motion<Real> disc, Books& books) const
   {
     Real left = dt; // of the step
     bool rests = false;
@@ -91,10 +51,13 @@ struct FlyAlone {
         rests = bounce_in_y(disc, left, books);
     }
     fly(disc, left, rests);
-    disc.place = domain.wrapped(inside(disc.place));
+    return {domain.wrapped(inside(disc.place)), disc.velocity};
   }
 
-  KOKKOS_INLINE_FUNCTION void fly(Motion& disc, Real time, bool rests) const
+  static constexpr Real never = std::numeric_limits<Real>::infinity();
+  static constexpr Real negligible = 0x1p-40; ///< share of a step; so hits can be counted
+
+  KOKKOS_INLINE_FUNCTION void fly(Motion<Real>& disc, Real time, bool rests) const
   {
     disc.place = disc.place + time * disc.velocity;
     if (rests)
@@ -103,7 +66,7 @@ struct FlyAlone {
     disc.velocity.y = disc.velocity.y - g * time;
   }
 
-  KOKKOS_INLINE_FUNCTION void bounce_in_x(Motion& disc, Books& books) const
+  KOKKOS_INLINE_FUNCTION void bounce_in_x(Motion<Real>& disc, Books& books) const
   {
     auto const before = disc;
     auto const v = before.velocity;
@@ -119,7 +82,7 @@ struct FlyAlone {
   /// 2 alpha^n u/g; for ever, that takes 2 alpha u/(g (1 - alpha)). If no more than that is left,
   /// it comes to rest: normal velocity 0, and beta^n = 0 of the tangential, or all of it if beta
   /// = 1. So it does if one flight is negligible, whatever alpha is.
-  KOKKOS_INLINE_FUNCTION bool bounce_in_y(Motion& disc, Real& left, Books& books) const
+  KOKKOS_INLINE_FUNCTION bool bounce_in_y(Motion<Real>& disc, Real& left, Books& books) const
   {
     auto const before = disc;
     auto const v = before.velocity;
@@ -146,7 +109,8 @@ struct FlyAlone {
   /// With the normal velocity u after the first impact and the tangential one v, flight n = 1, 2...
   /// takes alpha^(n-1) 2u/g and leads (alpha beta)^(n-1) v 2u/g along the wall. The sum S_n of n
   /// terms of such a series with the quotient q is doubled by S_2n = S_n (1 + q^n).
-  KOKKOS_INLINE_FUNCTION std::int64_t bounce_many_times(Motion& disc, Real& left, Real pull) const
+  KOKKOS_INLINE_FUNCTION std::int64_t bounce_many_times(Motion<Real>& disc, Real& left,
+                                                        Real pull) const
   {
     auto& [p, v] = disc;
     Real const u = fabs(v.y);
@@ -175,8 +139,8 @@ struct FlyAlone {
     return n;
   }
 
-  KOKKOS_INLINE_FUNCTION void enter(std::int64_t hits, Motion const& before, Motion const& after,
-                                    Books& books) const
+  KOKKOS_INLINE_FUNCTION void enter(std::int64_t hits, Motion<Real> const& before,
+                                    Motion<Real> const& after, Books& books) const
   {
     books.wall_hits += hits;
     books.lost_walls.add(kinetic_energy(before.velocity) - kinetic_energy(after.velocity),
@@ -191,6 +155,50 @@ struct FlyAlone {
   KOKKOS_INLINE_FUNCTION Vec2<Real> inside(Vec2<Real> p) const
   {
     return {clamped(p.x, high.x), clamped(p.y, high.y)};
+  }
+};
+
+/// Takes a disc through a step of length dt: along its parabola
+///   x' = x + v dt - g dt^2/2,   v' = v - g dt
+/// unless it meets walls. `walls` and `periodic` say whether any axis of the box has or is that.
+template <class Space, class Real, bool gravity, bool walls, bool periodic>
+struct FlyAlone {
+  Discs<Space, Real> discs;
+  Domain<Real, periodic> domain;
+  Real dt;
+  Real fall;          ///< g dt^2/2
+  Real velocity_gain; ///< g dt
+  Vec2<Real> high;    ///< as in Bounces
+  Bounces<Real, periodic> bounces;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
+  {
+    auto const p = discs.position(i), v = discs.velocity(i);
+    auto const straight = p + dt * v;
+    auto end = straight;
+    if constexpr (gravity)
+      end.y = end.y - fall;
+    if constexpr (walls)
+      if (!stays_inside(straight, end)) {
+        auto const own = bounces; // see RICOCHET_APART
+        own(discs.x.data(), discs.y.data(), discs.vx.data(), discs.vy.data(), i, books);
+        return;
+      }
+    discs.set_position(i, domain.wrapped(end));
+    if constexpr (gravity)
+      discs.vy(i) = v.y - velocity_gain;
+  }
+
+ private:
+  /// Neither end of an arc is its highest point when it first rises, against the fall; the end
+  /// without the fall is higher.
+  KOKKOS_INLINE_FUNCTION bool stays_inside(Vec2<Real> straight, Vec2<Real> end) const
+  {
+    bool const is_inside = fabs(end.x) < high.x && fabs(end.y) < high.y;
+    if constexpr (gravity)
+      return is_inside && fabs(straight.y) < high.y;
+    else
+      return is_inside;
   }
 };
 
@@ -226,7 +234,7 @@ class FreeFlight : public Engine {
 
  public: // nvcc takes launches only from public functions
   template <bool gravity, bool walls, bool periodic>
-  void fly(std::int64_t steps);
+  void fly();
 
  private:
   Space space_ = own_instance<Space>();
@@ -254,38 +262,37 @@ FreeFlight<Space, Real>::FreeFlight(Model const& model, Method const& method,
   require_fine_enough<Real>(model, method, books_.report(space_, discs_).temperature);
 }
 
-/// All steps in one kernel: a disc is read and written once.
 template <class Space, class Real>
 void FreeFlight<Space, Real>::advance(std::int64_t steps)
 {
-  ProfilingRegion const region("ricochet::fly_alone");
-  with_terms(model_, [&](auto gravity, auto walls, auto periodic) {
-    fly<gravity, walls, periodic>(steps);
-  });
-  books_.count_steps(steps);
+  for (std::int64_t k = 0; k < steps; ++k) {
+    ProfilingRegion const region("ricochet::step");
+    with_terms(model_,
+               [&](auto gravity, auto walls, auto periodic) { fly<gravity, walls, periodic>(); });
+    books_.count_steps(1);
+  }
 }
 
 template <class Space, class Real>
 template <bool gravity, bool walls, bool periodic>
-void FreeFlight<Space, Real>::fly(std::int64_t steps)
+void FreeFlight<Space, Real>::fly()
 {
-  auto const& contact = model_.contact;
-  Kokkos::RangePolicy<Space> const all(space_, 0, discs_.count());
+  auto const dt = static_cast<Real>(dt_), g = static_cast<Real>(model_.gravity);
+  auto const high = centre_limits<Real>(model_);
+  WallRule<Real, true> const wall{static_cast<Real>(model_.contact.restitution),
+                                  static_cast<Real>(model_.contact.friction)};
+  Kokkos::RangePolicy<Space, Kokkos::IndexType<int>> const all(space_, 0, discs_.count());
+  Domain<Real, periodic> const domain(model_.box);
   FlyAlone<Space, Real, gravity, walls, periodic> const fly_alone{
       discs_,
-      Domain<Real, periodic>(model_.box),
-      steps,
-      static_cast<Real>(dt_),
-      static_cast<Real>(model_.gravity),
-      centre_limits<Real>(model_),
-      {static_cast<Real>(contact.restitution), static_cast<Real>(contact.friction)},
-      books_.scales()};
-  if constexpr (walls) {
-    Kokkos::parallel_reduce("ricochet::fly_alone", all, fly_alone, Merge<Books, Space>(part_));
-    enter<Space>(space_, books_.view(), part_);
-  } else {
-    Kokkos::parallel_for("ricochet::fly_alone", all, fly_alone);
-  }
+      domain,
+      dt,
+      g * dt * dt / 2,
+      g * dt,
+      high,
+      {domain, dt, g, high, wall, books_.scales()}};
+  Kokkos::parallel_reduce("ricochet::fly_alone", all, fly_alone, Merge<Books, Space>(part_));
+  enter<Space>(space_, books_.view(), part_);
 }
 
 } // namespace ricochet

@@ -432,14 +432,11 @@ struct ResolveContacts {
 
  private:
   /// Place and velocity of a disc in the lab at the time of a contact.
-  struct Motion {
-    Vec2<Real> place, velocity;
-  };
-
-  KOKKOS_INLINE_FUNCTION Motion motion(int i, Real t) const
+  KOKKOS_INLINE_FUNCTION Motion<Real> motion(int i, Real t) const
   {
     auto const& arena = step.arena;
-    Motion now{arena.lab_position(step.at(i, t), t), arena.lab_velocity(step.discs.velocity(i), t)};
+    Motion<Real> now{arena.lab_position(step.at(i, t), t),
+                     arena.lab_velocity(step.discs.velocity(i), t)};
     // The line of a disc at rest on a wall is made for the end of the step.
     int const rests = step.m.last(i).rests;
     if (rests != 0) {
@@ -450,7 +447,7 @@ struct ResolveContacts {
   }
 
   /// Gives disc i the line that is at `now` at time t.
-  KOKKOS_INLINE_FUNCTION void set_line(int i, Motion const& now, Real t, int met) const
+  KOKKOS_INLINE_FUNCTION void set_line(int i, Motion<Real> const& now, Real t, int met) const
   {
     Real const g = step.arena.gravity;
     Vec2<Real> const w{now.velocity.x, now.velocity.y + g * t};
@@ -462,7 +459,7 @@ struct ResolveContacts {
 
   KOKKOS_INLINE_FUNCTION void collide(int i, int j, Real t, Books& books) const
   {
-    Motion a = motion(i, t), b = motion(j, t);
+    auto a = motion(i, t), b = motion(j, t);
     auto const separation = step.arena.domain.separation(a.place, b.place);
     Real const distance = sqrt(dot(separation, separation));
     PairVelocity<Real> const before{a.velocity, b.velocity};
@@ -489,9 +486,9 @@ struct ResolveContacts {
   {
     auto const& arena = step.arena;
     Real const t = next.time;
-    Motion const before = motion(i, t);
+    auto const before = motion(i, t);
     auto const v = before.velocity;
-    Motion now = before;
+    auto now = before;
     int rests = 0;
     if (next.with == partner::wall_x) {
       now.place.x = v.x < 0 ? -arena.wall_x : arena.wall_x;
@@ -521,7 +518,7 @@ struct ResolveContacts {
 
   /// Gives a disc the line that ends the step at rest on the wall. In between it is up to g dt^2/2
   /// beyond it; motion() knows better.
-  KOKKOS_INLINE_FUNCTION void rest(int i, Motion const& now, Real t, int side) const
+  KOKKOS_INLINE_FUNCTION void rest(int i, Motion<Real> const& now, Real t, int side) const
   {
     Real const g = step.arena.gravity, end = step.arena.end;
     Vec2<Real> const w{now.velocity.x, g * end};

@@ -103,9 +103,10 @@ struct WallRule {
 
 /// The original's walls: at most one wall a step, in the order left, right, top, bottom. A disc in
 /// a corner therefore meets its second wall one step later.
-template <class Space, class Real, bool walls_x, bool walls_y, bool dissipative>
+template <class Real, bool walls_x, bool walls_y, bool dissipative>
 struct BounceOffWalls {
-  Discs<Space, Real> discs;
+  static constexpr bool has_walls = walls_x || walls_y;
+
   Domain<Real, !(walls_x && walls_y)> domain;
   WallRule<Real, dissipative> rule;
   Real high_x, high_y; ///< the right and the top wall; the others are opposite
@@ -114,57 +115,50 @@ struct BounceOffWalls {
   double gravity;
   Scales scales;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i, Books& books) const
+  /// Whether a disc is beyond a wall.
+  KOKKOS_INLINE_FUNCTION bool hits(Vec2<Real> p) const
   {
-    auto const p = domain.wrapped(discs.position(i));
-    auto const v = discs.velocity(i);
+    bool const in_x = walls_x && fabs(p.x) + radius > high_x;
+    bool const in_y = walls_y && fabs(p.y) + radius > high_y;
+    return in_x || in_y;
+  }
+
+  /// What becomes of disc i of these places and velocities, which is.
+  RICOCHET_APART void operator()(Real* x, Real* y, Real* vx, Real* vy, int i, Books& books) const
+  {
+    Vec2<Real> const p{x[i], y[i]}, v{vx[i], vy[i]};
+    bool const in_x = walls_x && fabs(p.x) + radius > high_x;
     auto mirrored = p;
-    bool hit_x = false, hit_y = false;
-    if constexpr (walls_x) {
-      if (p.x - radius < -high_x) {
-        mirrored.x = p.x + 2 * ((-high_x - p.x) + radius);
-        hit_x = true;
-      } else if (p.x + radius > high_x) {
-        mirrored.x = p.x - 2 * ((p.x + radius) - high_x);
-        hit_x = true;
-      }
-    }
-    if constexpr (walls_y) {
-      if (!hit_x) {
-        if (p.y + radius > high_y) {
-          mirrored.y = p.y - 2 * ((p.y + radius) - high_y);
-          hit_y = true;
-        } else if (p.y - radius < -high_y) {
-          mirrored.y = p.y + 2 * ((-high_y - p.y) + radius);
-          hit_y = true;
-        }
-      }
-    }
-    if (hit_x || hit_y) {
-      Vec2<Real> const after = hit_x ? Vec2<Real>{rule.normal(v.x), rule.tangential(v.y)}
-                                     : Vec2<Real>{rule.tangential(v.x), rule.normal(v.y)};
-      discs.set_velocity(i, after);
-      ++books.wall_hits;
-      outside.enter(mirrored, books.max_outside); // nobody else can be
-      books.lost_walls.add(kinetic_energy(v) - kinetic_energy(after), scales.energy);
-      books.numerical.add(gravity * (static_cast<double>(mirrored.y) - static_cast<double>(p.y)),
-                          scales.energy);
-    }
-    if (hit_x || hit_y || !(walls_x && walls_y))
-      discs.set_position(i, mirrored);
+    if (in_x && p.x < 0)
+      mirrored.x = p.x + 2 * ((-high_x - p.x) + radius);
+    else if (in_x)
+      mirrored.x = p.x - 2 * ((p.x + radius) - high_x);
+    else if (p.y > 0)
+      mirrored.y = p.y - 2 * ((p.y + radius) - high_y);
+    else
+      mirrored.y = p.y + 2 * ((-high_y - p.y) + radius);
+    Vec2<Real> const after = in_x ? Vec2<Real>{rule.normal(v.x), rule.tangential(v.y)}
+                                  : Vec2<Real>{rule.tangential(v.x), rule.normal(v.y)};
+    x[i] = mirrored.x;
+    y[i] = mirrored.y;
+    vx[i] = after.x;
+    vy[i] = after.y;
+    ++books.wall_hits;
+    outside.enter(mirrored, books.max_outside); // nobody else can be
+    books.lost_walls.add(kinetic_energy(v) - kinetic_energy(after), scales.energy);
+    books.numerical.add(gravity * (static_cast<double>(mirrored.y) - static_cast<double>(p.y)),
+                        scales.energy);
   }
 };
 
 /// Calls use(bounce) with the walls, or the periodicity, of each axis.
-template <class Space, class Real, class Use>
-void with_walls(Discs<Space, Real> const& discs, Model const& model, Scales const& scales,
-                Use const& use)
+template <class Real, class Use>
+void with_walls(Model const& model, Scales const& scales, Use const& use)
 {
   auto const alpha = static_cast<Real>(model.contact.restitution);
   auto const beta = static_cast<Real>(model.contact.friction);
   auto const launch = [&](auto walls_x, auto walls_y, auto dissipative) {
-    use(BounceOffWalls<Space, Real, walls_x, walls_y, dissipative>{
-        discs,
+    use(BounceOffWalls<Real, walls_x, walls_y, dissipative>{
         Domain<Real, !(walls_x && walls_y)>(model.box),
         {alpha, beta},
         static_cast<Real>(model.box.width / 2),

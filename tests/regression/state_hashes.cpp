@@ -97,7 +97,7 @@ std::vector<NamedScene> separate_scenes()
 {
   constexpr auto walls = Boundary::walls, periodic = Boundary::periodic;
   Contact const elastic{Law::swap_scale, 1, 1}, scaling{Law::swap_scale, 0.93, 0.9},
-      damping{Law::restitution, 0.95, 0.8};
+      damping{Law::restitution, 0.95, 0.8}, apart{Law::restitution, 0.9, 0.8, false};
   auto const scene = [](std::size_t count, double width, double height, double gravity,
                         Contact const& contact, Boundary x, Boundary y, double dt) {
     Scene result;
@@ -114,6 +114,7 @@ std::vector<NamedScene> separate_scenes()
       {"scaling_gas", scene(1500, 110, 120, 0, scaling, walls, periodic, 0.5), 5},
       {"cooling_gas", scene(1500, 150, 140, 0, damping, walls, walls, 0.5), 5},
       {"lift", scene(500, 71, 73, -0.5, damping, periodic, walls, 0.3), 3},
+      {"apart", scene(1000, 60, 70, 3, apart, periodic, walls, 2), 5},
       {"many", scene(12000, 270, 280, 0.1, elastic, walls, walls, 0.3), 2},
   };
 }
