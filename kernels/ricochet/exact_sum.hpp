@@ -22,7 +22,7 @@ struct ExactSum {
   std::int64_t out_of_range = 0; ///< number of terms that could not be represented
 
   /// Adds `value`; every term of a sum must come with the same `scale`.
-  KOKKOS_INLINE_FUNCTION void add(double value, double scale)
+  KOKKOS_FORCEINLINE_FUNCTION void add(double value, double scale)
   {
     double const quanta = value * scale;
     constexpr double most = unit * unit * 1024; // 2^114
