@@ -72,7 +72,7 @@ class TimeOfImpact : public Engine {
   void step()
   {
     ProfilingRegion const region("ricochet::step");
-    if (ahead_ == 0 || !is_near(travel_ + longest_path()))
+    if (must_sort())
       sort<periodic>();
     find_contacts<periodic>();
     resolve_contacts<periodic>();
@@ -101,6 +101,14 @@ class TimeOfImpact : public Engine {
   double longest_path() const
   {
     return (speed_ + std::fabs(model_.gravity) * dt_ / 2) * dt_ * (1 + 1e-6);
+  }
+
+  bool must_sort() const { return ahead_ == 0 || !is_near(travel_ + longest_path()); }
+
+  /// Whether all that overlap, or meet in the next step, are candidates.
+  bool knows_candidates() const
+  {
+    return has_listed_ && !must_sort() && memory_.has_room(counts_.candidates);
   }
 
   /// Whether discs that meet are in neighbouring cells, if none is farther than `travel` from where
@@ -159,6 +167,8 @@ class TimeOfImpact : public Engine {
   void find_contacts();
   template <bool periodic>
   void execute_round(int round, int called);
+  template <bool periodic>
+  Real closest_candidates() const;
   void fly();
   void enter_happened(int next_round);
 
@@ -359,11 +369,39 @@ void TimeOfImpact<Space, Real>::fly()
   speed_ += std::fabs(model_.gravity) * dt_;
 }
 
+/// Distance of the closest candidates.
+template <class Space, class Real>
+template <bool periodic>
+Real TimeOfImpact<Space, Real>::closest_candidates() const
+{
+  auto const discs = discs_;
+  auto const candidate = memory_.candidate;
+  Domain<Real, periodic> const domain(model_.box);
+  Real closest2 = 0;
+  Kokkos::parallel_reduce(
+      "ricochet::find_closest_candidates", Range(space_, 0, counts_.candidates),
+      KOKKOS_LAMBDA(int place, Real& least) {
+        int const i = candidate(place, 0), k = candidate(place, 1);
+        if (k == partner::none)
+          return;
+        auto const d = domain.separation(discs.position(i), discs.position(k));
+        least = dot(d, d) < least ? dot(d, d) : least;
+      },
+      Kokkos::Min<Real>(closest2));
+  return std::sqrt(closest2);
+}
+
 template <class Space, class Real>
 Report TimeOfImpact<Space, Real>::report()
 {
-  inspection_.look(space_, grid_, discs_);
-  ahead_ = 0; // it has sorted them
+  if (knows_candidates()) {
+    inspection_.note(inspection_.extremes(space_, discs_), is_periodic(model_.box)
+                                                               ? closest_candidates<true>()
+                                                               : closest_candidates<false>());
+  } else {
+    inspection_.look(space_, grid_, discs_);
+    ahead_ = 0; // it has sorted them
+  }
   auto report = books_.report(space_, discs_);
   inspection_.enter(report);
   return report;
