@@ -13,7 +13,7 @@ namespace ricochet::driver {
 
 namespace {
 
-constexpr std::uint64_t ahead = 16 << 20; // to reserve seldom
+constexpr std::uint64_t ahead = 4 << 20; // to reserve seldom; file systems in memory fill it
 
 // 0, or why there is no room from `start` to `end`.
 int allocate(int file, std::uint64_t start, std::uint64_t end)

@@ -473,7 +473,8 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
   frames_ += static_cast<std::int64_t>(frames.size());
 }
 
-// Writes the vectors (x, y, 0) of all discs, a chunk's share of the discs at a time.
+// Writes the vectors (x, y, 0) of all discs, as many at a time as stay in the processor's cache
+// until they are written; a compressed chunk is written as a whole.
 template <class Real>
 void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
                                    double DiscState::*x, double DiscState::*y,
@@ -481,8 +482,10 @@ void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Fr
 {
   auto const start = static_cast<hsize_t>(frames_);
   set_frames(dataset, start + frames.size());
-  for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
-    hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
+  hsize_t const most =
+      header_.deflate ? discs_per_chunk_ : block_bytes / (frames.size() * 3 * sizeof(Real));
+  for (hsize_t first = 0; first < discs_; first += most) {
+    hsize_t const count = std::min(most, discs_ - first);
     buffer.resize(frames.size() * count * 3);
     Real* out = buffer.data();
     for (auto const& frame : frames)
