@@ -30,7 +30,7 @@ namespace {
 using namespace ricochet;
 using namespace ricochet::driver;
 
-constexpr int rounds = 7;
+constexpr int rounds = 5;
 
 /// Seconds on the wall, and of all processors together.
 struct Seconds {
@@ -157,9 +157,11 @@ void compare_stepping(std::string const& folder, EngineKind kind, double q, std:
   method.dt = q * 2 * gas.model.radius / gas.thermal_speed;
   auto const engine = make_engine(gas.model, method, gas.discs);
   engine->advance(50);
+  Checkpoint const start = engine->checkpoint();
   std::string const path = folder + "/bench_output.h5md";
   constexpr std::int64_t frames = 10;
   auto const steps = [&](auto const& write_frame) {
+    engine->restore(start); // the gas would cool and fall
     for (std::int64_t k = 0; k < frames; ++k) {
       engine->advance(stride);
       Kokkos::fence();
@@ -210,7 +212,6 @@ int main(int argc, char** argv)
                 "|---|---|---|---|---|---|---|---|---|---|\n");
     for (std::string const& folder : folders) {
       compare_stepping(folder, EngineKind::sweep, 0.1, 20);
-      compare_stepping(folder, EngineKind::toi, 0.1, 50);
       compare_stepping(folder, EngineKind::toi, 0.02, 50);
     }
   } catch (std::exception const& error) {
