@@ -1,5 +1,6 @@
 # Fails if a step of the engines takes more than 5 % more instructions than the same step by hand.
 # Takes valgrind, program and scratch (a folder).
+cmake_minimum_required(VERSION 3.22)
 file(REMOVE_RECURSE "${scratch}")
 file(MAKE_DIRECTORY "${scratch}")
 execute_process(
@@ -18,10 +19,10 @@ foreach(line IN LISTS lines)
     set(scene "${CMAKE_MATCH_2}")
   elseif(line MATCHES "^totals: ([0-9]+)")
     if(whose STREQUAL "engine")
-      set(engine "${CMAKE_MATCH_1}")
+      set(of_engine "${CMAKE_MATCH_1}")
     elseif(whose STREQUAL "by hand")
-      math(EXPR per_mille "1000 * ${engine} / ${CMAKE_MATCH_1}")
-      message(NOTICE "${scene}: ${engine} instructions, ${CMAKE_MATCH_1} by hand, ${per_mille} per mille")
+      math(EXPR per_mille "1000 * ${of_engine} / ${CMAKE_MATCH_1}")
+      message(NOTICE "${scene}: ${of_engine} instructions, ${CMAKE_MATCH_1} by hand, ${per_mille} per mille")
       if(per_mille GREATER 1050)
         message(SEND_ERROR "${scene}: more than 5 % too many")
       endif()
