@@ -155,7 +155,7 @@ KOKKOS_INLINE_FUNCTION int compare_exchange(int& number, int expected, int repla
 /// whose registers it would take. It must be given plain pointers, and not be a member of the
 /// functor but of a copy of a part of it: what could be reached through the functor's own address
 /// would be read from memory again for each work item.
-#define RICOCHET_APART KOKKOS_FUNCTION __attribute__((noinline))
+#define RICOCHET_APART KOKKOS_FUNCTION __attribute__((noinline, cold))
 
 /// Place of the lowest bit that is set in `bits`, which is not 0.
 KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits)
