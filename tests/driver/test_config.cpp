@@ -78,6 +78,7 @@ TEST(Config, WhatTheOriginalCannotHaveIsNotWritten)
   settings.width = 75;
   settings.x = Boundary::periodic;
   settings.law = Law::restitution;
+  settings.pairs = false;
   settings.dt = 0.3;
   ProblemList problems;
   as_config(settings, problems);
@@ -87,6 +88,7 @@ TEST(Config, WhatTheOriginalCannotHaveIsNotWritten)
             "c.csv:1:1: run.dt is 0.3 (CONFIG.csv allows: the reciprocal of an integer)\n"
             "c.csv:1:1: contact.law is restitution (CONFIG.csv knows the original's alone, "
             "swap_scale)\n"
+            "c.csv:1:1: contact.pairs is false (in CONFIG.csv discs always meet)\n"
             "c.csv:1:1: box.x is periodic (CONFIG.csv knows walls alone)");
 }
 

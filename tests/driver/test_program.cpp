@@ -50,6 +50,23 @@ TEST(Program, WithoutOutputsTheFinalStatesAreStandardOutput)
   EXPECT_EQ(ricochet({s, c, "--quiet"}).err, "");
 }
 
+/// They would collide at 0.5; as it is each is 60 farther.
+TEST(Program, WithoutPairsDiscsPassThroughEachOther)
+{
+  Folder const folder;
+  auto const s = folder.write("s.csv", two_discs);
+  auto const c = folder.write("c.csv", "g=0,radius=10,totTime=1,fps=1");
+  for (char const* engine : {"toi", "events"}) {
+    Outcome const outcome = ricochet({s, c, "--no-pairs", "--engine", engine});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "20,0,60,0\n-20,0,-60,0\n");
+    EXPECT_TRUE(contains(outcome.err, "(none, double)")) << outcome.err;
+  }
+  auto const in_one_place = folder.write("o.csv", "0,0,1,0\n0,0,2,0\n");
+  EXPECT_TRUE(contains(ricochet({"validate", in_one_place, c}).out, "overlap"));
+  EXPECT_FALSE(contains(ricochet({"validate", in_one_place, c, "--no-pairs"}).out, "overlap"));
+}
+
 TEST(Program, FinalStatesAreAValidStatesFile)
 {
   Folder const folder;

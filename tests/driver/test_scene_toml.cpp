@@ -79,6 +79,7 @@ seed = 5
 restitution = 0.5
 friction = 1
 law = "restitution"
+pairs = false
 [run]
 steps = 40
 until = "rest"
@@ -104,6 +105,7 @@ compress = "none"
   EXPECT_EQ(scene.model.contact.restitution, 0.5);
   EXPECT_EQ(scene.model.contact.friction, 1);
   EXPECT_EQ(scene.model.contact.law, Law::restitution);
+  EXPECT_FALSE(scene.model.contact.pairs);
   EXPECT_EQ(scene.steps, 40);
   EXPECT_EQ(scene.method.dt, 0.125);
   EXPECT_EQ(scene.method.engine, EngineKind::simultaneous);
@@ -383,7 +385,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{TWO_DISCS SWEEP "[contact]\nlaw = \"swap\"\n",
              "s.toml:6:7: contact.law: found 'swap' (allowed: swap_scale, restitution)"},
         Case{TWO_DISCS SWEEP "[contact]\nalpha = 1\n",
-             "s.toml:6:1: unknown key 'alpha' (allowed in contact: restitution, friction, law)"},
+             "s.toml:6:1: unknown key 'alpha' (allowed in contact: restitution, friction, law, "
+             "pairs)"},
         Case{TWO_DISCS SWEEP "duration = -1\n",
              "s.toml:5:12: run.duration: found -1 (allowed: a decimal number >= 0)"},
         Case{TWO_DISCS SWEEP "duration = 1\nsteps = 5\n",
