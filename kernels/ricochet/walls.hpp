@@ -105,8 +105,6 @@ struct WallRule {
 /// a corner therefore meets its second wall one step later.
 template <class Real, bool walls_x, bool walls_y, bool dissipative>
 struct BounceOffWalls {
-  static constexpr bool has_walls = walls_x || walls_y;
-
   Domain<Real, !(walls_x && walls_y)> domain;
   WallRule<Real, dissipative> rule;
   Real high_x, high_y; ///< the right and the top wall; the others are opposite

@@ -59,17 +59,13 @@ std::unique_ptr<Engine> make_engine(Model const& model, Method const& method,
   bool const one_thread = prefers_one_thread(method.placement, initial.size());
   auto const make = [&](auto real) {
     using Real = decltype(real);
-    switch (method.engine) {
-    case EngineKind::sweep:
-    case EngineKind::simultaneous:
+    bool const is_toi = method.engine == EngineKind::toi;
+    if (!is_toi && method.engine != EngineKind::events)
       return make_fixed_step<Real>(model, method, initial, one_thread);
-    case EngineKind::toi:
-      return model.contact.pairs ? make_time_of_impact<Real>(model, method, initial, one_thread)
-                                 : make_free_flight<Real>(model, method, initial, one_thread);
-    default:
-      return model.contact.pairs ? make_event_driven<Real>(model, method, initial, one_thread)
-                                 : make_free_flight<Real>(model, method, initial, one_thread);
-    }
+    if (!model.contact.pairs)
+      return make_free_flight<Real>(model, method, initial, one_thread);
+    return is_toi ? make_time_of_impact<Real>(model, method, initial, one_thread)
+                  : make_event_driven<Real>(model, method, initial, one_thread);
   };
   return method.precision == Precision::single_ ? make(float{}) : make(double{});
 }

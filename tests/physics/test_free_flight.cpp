@@ -212,9 +212,8 @@ TEST(DiscsThatDoNotMeet, PassThroughEachOther)
   }
 }
 
-/// h sqrt(2 h/g) (1 + a)/(1 - a) after it was let go from the height h it has bounced infinitely
-/// often; before that, bounce n begins at sqrt(2 h/g) (1 + 2 a + ... + 2 a^(n-1)) with a^n of the
-/// speed of the fall.
+/// A ball let go at the height h has bounced infinitely often after sqrt(2 h/g) (1 + a)/(1 - a),
+/// and not before.
 TEST_P(FreeFlight, BringsABallToRestWhenTheClosedFormSays)
 {
   double const g = 10, h = 5, a = 0.9, rest = (1 + a) / (1 - a);
