@@ -71,7 +71,7 @@ template <class Space>
 void enter(Space const& space, BooksView<Space> const& run, BooksView<Space> const& part)
 {
   Kokkos::parallel_for(
-      "ricochet::enter_in_books", Kokkos::RangePolicy<Space>(space, 0, 1),
+      "ricochet::enter_in_books", Range<Space>(space, 0, 1),
       KOKKOS_LAMBDA(int) { run().merge(part()); });
 }
 

@@ -374,7 +374,6 @@ class CellGrid {
 template <class Space, class Real>
 void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, Inside inside)
 {
-  using Range = Kokkos::RangePolicy<Space>;
   int const n = discs.count();
   auto const from = discs, to = spare_;
   auto const cells = cells_;
@@ -382,7 +381,7 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
 
   Kokkos::deep_copy(space, start, 0);
   Kokkos::parallel_for(
-      "ricochet::count_in_cells", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
+      "ricochet::count_in_cells", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
         int const c = cells.at(from.position(i));
         unsorted_cell(i) = c;
         rank(i) = fetch_add<Space>(start(c), 1);
@@ -398,18 +397,18 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   if (inside == Inside::by_id) {
     auto const order = cell_; // not needed yet
     Kokkos::parallel_for(
-        "ricochet::list_cells", Range(space, 0, n),
+        "ricochet::list_cells", Range<Space>(space, 0, n),
         KOKKOS_LAMBDA(int i) { order(start(unsorted_cell(i)) + rank(i)) = i; });
-    Kokkos::parallel_for("ricochet::sort_cells_by_id", Range(space, 0, cells.count()),
+    Kokkos::parallel_for("ricochet::sort_cells_by_id", Range<Space>(space, 0, cells.count()),
                          SortCellById<Space>{start, order, from.id});
     Kokkos::parallel_for(
-        "ricochet::rank_by_id", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+        "ricochet::rank_by_id", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
           int const i = order(slot);
           rank(i) = slot - start(unsorted_cell(i));
         });
   }
   Kokkos::parallel_for(
-      "ricochet::store_by_cell", Range(space, 0, n), KOKKOS_LAMBDA(int i) {
+      "ricochet::store_by_cell", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
         int const c = unsorted_cell(i), slot = start(c) + rank(i);
         to.set_position(slot, from.position(i));
         to.set_velocity(slot, from.velocity(i));

@@ -47,7 +47,7 @@ Totals totals(Space const& space, Discs<Space, Real> const& discs, Model const& 
               Scales const& scales)
 {
   Kokkos::View<Totals, Space> result("ricochet::totals");
-  Kokkos::parallel_reduce("ricochet::add_up", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+  Kokkos::parallel_reduce("ricochet::add_up", Range<Space>(space, 0, discs.count()),
                           AddUp<Space, Real>{discs, model.gravity, -model.box.height / 2, scales},
                           Merge<Totals, Space>(result));
   return value_after(space, result);
@@ -87,7 +87,7 @@ std::uint64_t state_hash(Space const& space, Discs<Space, Real> const& discs)
 {
   std::uint64_t sum = 0;
   Kokkos::parallel_reduce("ricochet::state_hash",
-                          Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+                          Range<Space>(space, 0, discs.count()),
                           Fingerprint<Space, Real>{discs}, sum);
   return mix(sum + static_cast<std::uint64_t>(discs.count()));
 }
@@ -105,7 +105,7 @@ template <class Space, class Real, class List>
 void read_states(Space const& space, List const& list, Discs<Space, Real> const& discs)
 {
   Kokkos::parallel_for(
-      "ricochet::read_states", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+      "ricochet::read_states", Range<Space>(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i) {
         discs.set_position(i, as<Real>(Vec2<double>{list(i).x, list(i).y}));
         discs.set_velocity(i, as<Real>(Vec2<double>{list(i).vx, list(i).vy}));
@@ -118,7 +118,7 @@ template <class Space, class Real, class List>
 void write_states(Space const& space, Discs<Space, Real> const& discs, List const& list)
 {
   Kokkos::parallel_for(
-      "ricochet::write_states", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+      "ricochet::write_states", Range<Space>(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i) {
         auto const p = as<double>(discs.position(i)), v = as<double>(discs.velocity(i));
         list(discs.id(i)) = DiscState{p.x, p.y, v.x, v.y};

@@ -75,7 +75,7 @@ void wrap_all(Space const& space, Discs<Space, Real> const& discs,
               Domain<Real, periodic> const& domain)
 {
   Kokkos::parallel_for(
-      "ricochet::wrap_all", Kokkos::RangePolicy<Space>(space, 0, discs.count()),
+      "ricochet::wrap_all", Range<Space>(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i) { discs.set_position(i, domain.wrapped(discs.position(i))); });
 }
 

@@ -47,7 +47,6 @@ class EventDriven : public Engine {
   int threads() const override { return space_.concurrency(); }
 
  private:
-  using Range = Kokkos::RangePolicy<Space>;
 
   auto numbers()
   {
@@ -350,7 +349,7 @@ Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
   shortest_window_ =
       std::max(shortest_window_, 4 * rounding * static_cast<double>(window.arena.end));
   Real closest2 = 0;
-  Kokkos::parallel_reduce("ricochet::take_off", Range(space_, 0, discs_.count()),
+  Kokkos::parallel_reduce("ricochet::take_off", Range<Space>(space_, 0, discs_.count()),
                           TakeOff<Space, Real, periodic>{window}, Kokkos::Min<Real>(closest2));
   inspection_.note(found, std::sqrt(closest2));
   return window;
@@ -360,7 +359,7 @@ template <class Space, class Real>
 template <bool periodic>
 void EventDriven<Space, Real>::land(Window<Space, Real, periodic> const& window)
 {
-  Kokkos::parallel_for("ricochet::land", Range(space_, 0, discs_.count()),
+  Kokkos::parallel_for("ricochet::land", Range<Space>(space_, 0, discs_.count()),
                        Land<Space, Real, periodic>{window});
 }
 
@@ -371,13 +370,13 @@ void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic> const&
   Kokkos::deep_copy(space_, memory_.counts, typename WindowMemory<Space, Real>::Counts{});
   using Due = ListDue<Space, Real, periodic>;
   Kokkos::parallel_for("ricochet::list_due",
-                       Range(space_, 0, (discs_.count() + Due::block - 1) / Due::block),
+                       Range<Space>(space_, 0, (discs_.count() + Due::block - 1) / Due::block),
                        Due{window});
   counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::find_meetings", Range(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::find_meetings", Range<Space>(space_, 0, counts_.members),
                        FindMeetings<Space, Real, periodic>{window});
   counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::form_islands", Range(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::form_islands", Range<Space>(space_, 0, counts_.members),
                        FormIslands<Space, Real, periodic>{window});
 }
 
@@ -391,7 +390,7 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
   std::visit(
       [&](auto const& law) {
         using ThisLaw = std::decay_t<decltype(law)>;
-        Kokkos::parallel_reduce("ricochet::evolve_islands", Range(space_, 0, counts_.members),
+        Kokkos::parallel_reduce("ricochet::evolve_islands", Range<Space>(space_, 0, counts_.members),
                                 EvolveIslands<Space, Real, periodic, ThisLaw>{
                                     window, law, wall_rule, pass, largest_island_},
                                 Merge<Outcome<Real>, Space>(outcome_));
@@ -404,7 +403,7 @@ template <class Space, class Real>
 template <bool periodic>
 void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass)
 {
-  Kokkos::parallel_for("ricochet::verify_islands", Range(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::verify_islands", Range<Space>(space_, 0, counts_.members),
                        VerifyIslands<Space, Real, periodic>{window, pass});
   counts_ = read_counts();
 }
@@ -415,7 +414,7 @@ void EventDriven<Space, Real>::form_grown_islands(Window<Space, Real, periodic> 
 {
   counts_.joints = 0;
   Kokkos::deep_copy(space_, memory_.counts, counts_);
-  Range const members(space_, 0, counts_.members);
+  Range<Space> const members(space_, 0, counts_.members);
   Kokkos::parallel_for("ricochet::mark_grown_islands", members,
                        MarkGrownIslands<Space, Real, periodic>{window});
   Kokkos::parallel_for("ricochet::count_evolved_parts", members,
@@ -428,7 +427,7 @@ template <class Space, class Real>
 template <bool periodic>
 void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window)
 {
-  Range const members(space_, 0, counts_.members);
+  Range<Space> const members(space_, 0, counts_.members);
   Kokkos::parallel_for("ricochet::predict_between_islands", members,
                        PredictBetweenIslands<Space, Real, periodic>{window});
   Kokkos::parallel_reduce("ricochet::commit_islands", members,
@@ -442,7 +441,7 @@ template <bool periodic>
 void EventDriven<Space, Real>::dissolve_islands(Window<Space, Real, periodic> const& window)
 {
   counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::dissolve_islands", Range(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::dissolve_islands", Range<Space>(space_, 0, counts_.members),
                        DissolveIslands<Space, Real, periodic>{window});
 }
 

@@ -161,7 +161,7 @@ void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
     with_walls<Real>(model_, books_.scales(), [&](auto const& bounce) {
       Kokkos::parallel_reduce(
           "ricochet::fly_and_bounce_off_walls",
-          Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>(space_, 0, discs_.count()),
+          Range<Space>(space_, 0, discs_.count()),
           FlyThenBounce<Space, Real, std::decay_t<decltype(fly)>, std::decay_t<decltype(bounce)>>{
               discs_, fly, bounce},
           Merge<Books, Space>(part_));
@@ -173,7 +173,7 @@ void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
 template <class Space, class Real, class PairStep>
 void FixedStep<Space, Real, PairStep>::look_at_start()
 {
-  Kokkos::RangePolicy<Space> const all(space_, 0, discs_.count());
+  Range<Space> const all(space_, 0, discs_.count());
   Outside const outside(model_);
   auto const discs = discs_;
   Kokkos::parallel_reduce(

@@ -281,7 +281,7 @@ void FreeFlight<Space, Real>::fly()
   auto const high = centre_limits<Real>(model_);
   WallRule<Real, true> const wall{static_cast<Real>(model_.contact.restitution),
                                   static_cast<Real>(model_.contact.friction)};
-  Kokkos::RangePolicy<Space, Kokkos::IndexType<int>> const all(space_, 0, discs_.count());
+  Range<Space> const all(space_, 0, discs_.count());
   Domain<Real, periodic> const domain(model_.box);
   FlyAlone<Space, Real, gravity, walls, periodic> const fly_alone{
       discs_,

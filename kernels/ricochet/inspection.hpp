@@ -97,7 +97,6 @@ class Inspection {
                     Discs<Space, Real>& discs) const;
 
  private:
-  using Range = Kokkos::RangePolicy<Space>;
 
   std::string problems(Space const& space, Discs<Space, Real> const& discs,
                        Method const& method) const;
@@ -150,7 +149,7 @@ Extremes Inspection<Space, Real>::extremes(Space const& space,
 {
   Outside const outside(model_);
   Kokkos::parallel_reduce(
-      "ricochet::find_extremes", Range(space, 0, discs.count()),
+      "ricochet::find_extremes", Range<Space>(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i, Extremes& found) {
         auto const v = as<double>(discs.velocity(i));
         Extremes own{dot(v, v)};
@@ -173,7 +172,7 @@ Real Inspection<Space, Real>::closest_pair(Space const& space, CellGrid<Space, R
   Neighbours<Space, Real, periodic> const neighbours(discs, grid.cells(), model_.box);
   Real closest2 = 0;
   Kokkos::parallel_reduce(
-      "ricochet::find_closest_pair", Range(space, 0, discs.count()),
+      "ricochet::find_closest_pair", Range<Space>(space, 0, discs.count()),
       KOKKOS_LAMBDA(int i, Real& least) {
         neighbours.for_each_ahead(cell(i), i, diameter * diameter, [&](int, Vec2<Real> d) {
           least = dot(d, d) < least ? dot(d, d) : least;

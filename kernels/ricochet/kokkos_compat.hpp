@@ -26,6 +26,11 @@ ViewType uninitialised(std::string const& label, Extents... extents)
   return ViewType(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), extents...);
 }
 
+/// The work items of a kernel on `Space`, counted by int as its functors do: where a kernel's index
+/// is wider than its functor's, compilers find no vectors in it.
+template <class Space>
+using Range = Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>;
+
 /// The value in a View of rank 0, for the host, once all that is queued on `space` is done.
 template <class Space, class ViewType>
 typename ViewType::non_const_value_type value_after(Space const& space, ViewType const& view)
@@ -62,7 +67,7 @@ Space own_instance()
     // Reductions look at the memory that all share, and would make it where it is too small.
     static bool const is_made = [] {
       int sum = 0;
-      Kokkos::parallel_reduce("ricochet::make_scratch", Kokkos::RangePolicy<Space>(0, 0), Nothing{},
+      Kokkos::parallel_reduce("ricochet::make_scratch", Range<Space>(0, 0), Nothing{},
                               sum);
       return true;
     }();
@@ -92,10 +97,10 @@ template <class Space, class Body>
 void scan(char const* label, Space const& space, int count, Body const& body)
 {
   if constexpr (one_at_a_time<Space>)
-    Kokkos::parallel_for(label, Kokkos::RangePolicy<Space>(space, 0, 1),
+    Kokkos::parallel_for(label, Range<Space>(space, 0, 1),
                          ScanInOrder<Body>{body, count});
   else
-    Kokkos::parallel_scan(label, Kokkos::RangePolicy<Space>(space, 0, count), body);
+    Kokkos::parallel_scan(label, Range<Space>(space, 0, count), body);
 }
 
 /// Adds to a counter that the work items of a kernel on `Space` share; returns its value before.

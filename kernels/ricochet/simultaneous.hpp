@@ -85,7 +85,7 @@ class SimultaneousPairs {
                LawType const& law)
   {
     Kokkos::parallel_reduce(
-        "ricochet::last_partner_wins", Kokkos::RangePolicy<Space>(space, 0, state.discs.count()),
+        "ricochet::last_partner_wins", Range<Space>(space, 0, state.discs.count()),
         LastPartnerWins<Space, Real, LawType, periodic>{state, state.neighbours(), law},
         Merge<Books, Space>(books_));
     enter<Space>(space, state.books, books_);

@@ -60,7 +60,6 @@ class OrderedPairs {
   }
 
  private:
-  using Range = Kokkos::RangePolicy<Space>;
 
   /// Whether the kernels run on the host, whose threads are fast one by one.
   static constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
@@ -132,10 +131,10 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
                                         LawType const& law)
 {
   OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, takes_part_, law};
-  Range const all(space, 0, state.discs.count());
+  Range<Space> const all(space, 0, state.discs.count());
   auto const islands = islands_;
   Kokkos::parallel_for(
-      "ricochet::reset_counts", Range(space, 0, 1), KOKKOS_LAMBDA(int) { islands.reset_counts(); });
+      "ricochet::reset_counts", Range<Space>(space, 0, 1), KOKKOS_LAMBDA(int) { islands.reset_counts(); });
   bool done = false;
   if (steps_to_pause_ > 0) {
     --steps_to_pause_;
@@ -205,11 +204,11 @@ int OrderedPairs<Space, Real>::find_islands(Space const& space,
 {
   auto const islands = islands_;
   int const n = state.discs.count();
-  Kokkos::parallel_for("ricochet::unite_overlapping", Range(space, 0, n),
+  Kokkos::parallel_for("ricochet::unite_overlapping", Range<Space>(space, 0, n),
                        FindOverlapping<Space, Real, periodic, UnitePairs<Space>>{
                            state, state.neighbours(), {islands.forest}});
   Kokkos::parallel_for(
-      "ricochet::join_islands", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+      "ricochet::join_islands", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
         int const node = Islands<Space>::node(slot), root = islands.forest.root(node);
         if (root != node)
           islands.join(root, slot);
@@ -224,7 +223,7 @@ void OrderedPairs<Space, Real>::execute_islands(
     Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int islands)
 {
   int const largest = execution_ == Execution::crowd ? 1 : island_limit;
-  Kokkos::parallel_for("ricochet::execute_islands", Range(space, 0, islands),
+  Kokkos::parallel_for("ricochet::execute_islands", Range<Space>(space, 0, islands),
                        ExecuteIsland<Space, Real, LawType, periodic>{contact, islands_, largest});
 }
 
@@ -237,7 +236,7 @@ void OrderedPairs<Space, Real>::execute_crowd(
   auto const islands = islands_;
   TakeBack<Space> const take_back{tally_, islands.pushes};
   Kokkos::parallel_for(
-      "ricochet::start_crowd", Range(space, 0, crowd), KOKKOS_LAMBDA(int k) {
+      "ricochet::start_crowd", Range<Space>(space, 0, crowd), KOKKOS_LAMBDA(int k) {
         take_back(islands.crowd(k));
         contact.take(islands.crowd(k));
       });
@@ -257,10 +256,10 @@ int OrderedPairs<Space, Real>::verify(Space const& space,
   int const far = all ? 0 : value_after(space, islands_.pushes.far_count);
   int in_islands = 0;
   Kokkos::parallel_for(
-      "ricochet::forget_wrong_islands", Range(space, 0, 1),
+      "ricochet::forget_wrong_islands", Range<Space>(space, 0, 1),
       KOKKOS_LAMBDA(int) { all_islands.forget_wrong(); });
   Kokkos::parallel_reduce(
-      "ricochet::verify_islands", Range(space, 0, islands),
+      "ricochet::verify_islands", Range<Space>(space, 0, islands),
       KOKKOS_LAMBDA(int k, int& verified) {
         int const root = all_islands.list(k);
         if (all_islands.of_disc(root - 1) != root)
@@ -272,9 +271,9 @@ int OrderedPairs<Space, Real>::verify(Space const& space,
       },
       in_islands);
   Kokkos::parallel_for(
-      "ricochet::verify_crowd", Range(space, 0, crowd),
+      "ricochet::verify_crowd", Range<Space>(space, 0, crowd),
       VerifyListed<Space, Real, periodic, UniteIslands<Space>>{verify, islands_.crowd});
-  Kokkos::parallel_for("ricochet::verify_far", Range(space, 0, far),
+  Kokkos::parallel_for("ricochet::verify_far", Range<Space>(space, 0, far),
                        VerifyFar<Space, Real, periodic, UniteIslands<Space>>{verify});
   return in_islands + crowd + far;
 }
@@ -289,7 +288,7 @@ void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
   auto const islands = islands_;
   TakeBack<Space> const take_back{tally_, islands.pushes};
   Kokkos::parallel_for(
-      "ricochet::take_back_islands", Range(space, 0, wrong), KOKKOS_LAMBDA(int k) {
+      "ricochet::take_back_islands", Range<Space>(space, 0, wrong), KOKKOS_LAMBDA(int k) {
         int const node = islands.list(k), root = islands.forest.root(node);
         islands.for_members(node, [&](int slot) {
           take_back(slot);
@@ -297,7 +296,7 @@ void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
         });
       });
   Kokkos::parallel_for(
-      "ricochet::merge_islands", Range(space, 0, wrong), KOKKOS_LAMBDA(int k) {
+      "ricochet::merge_islands", Range<Space>(space, 0, wrong), KOKKOS_LAMBDA(int k) {
         int const node = islands.list(k), root = islands.forest.root(node);
         if (root != node)
           islands.for_members(node, [&](int slot) { islands.add_member(root, slot); });
@@ -308,7 +307,7 @@ void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
 template <class Space, class Real>
 void OrderedPairs<Space, Real>::take_all_back(Space const& space, int discs)
 {
-  Kokkos::parallel_for("ricochet::take_all_back", Range(space, 0, discs),
+  Kokkos::parallel_for("ricochet::take_all_back", Range<Space>(space, 0, discs),
                        TakeBack<Space>{tally_, islands_.pushes});
 }
 
@@ -336,17 +335,17 @@ void OrderedPairs<Space, Real>::resolve_in_order(
   if (everyone) {
     ++executions_.in_order;
     Kokkos::parallel_for(
-        "ricochet::start_everyone", Range(space, 0, contact.state.discs.count()),
+        "ricochet::start_everyone", Range<Space>(space, 0, contact.state.discs.count()),
         KOKKOS_LAMBDA(int slot) { contact.take(slot); });
   }
   strays_.clear(space);
   auto const id = contact.state.discs.id;
   auto const slot_of_id = strays_.slot_of_id;
   Kokkos::parallel_for(
-      "ricochet::find_ids", Range(space, 0, contact.state.discs.count()),
+      "ricochet::find_ids", Range<Space>(space, 0, contact.state.discs.count()),
       KOKKOS_LAMBDA(int slot) { slot_of_id(id(slot)) = slot; });
   Kokkos::parallel_for(
-      "ricochet::resolve_in_order", Range(space, 0, 1),
+      "ricochet::resolve_in_order", Range<Space>(space, 0, 1),
       ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, islands_, everyone));
 }
 

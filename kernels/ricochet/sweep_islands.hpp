@@ -42,7 +42,7 @@ struct Islands {
       pushes(discs, far_path),
       counts("ricochet::island_counts")
   {
-    Kokkos::parallel_for("ricochet::reset_islands", Kokkos::RangePolicy<Space>(0, discs),
+    Kokkos::parallel_for("ricochet::reset_islands", Range<Space>(0, discs),
                          Reset{*this});
   }
 

@@ -184,7 +184,6 @@ class Rounds {
                Islands<Space> const& islands, int most_passes);
 
  private:
-  using Range = Kokkos::RangePolicy<Space>;
 
   /// Rounds by all threads, an even number; then one team finishes. So many see to 99 % of the
   /// pairs of a gas.
@@ -222,7 +221,7 @@ bool Rounds<Space, Real>::resolve(Space const& space,
   auto const neighbours = state.neighbours();
   int known = 0; // pairs that have had their turn
   int found = find_pairs(space, n, 0, [&] {
-    Kokkos::parallel_for("ricochet::list_overlapping", Range(space, 0, n),
+    Kokkos::parallel_for("ricochet::list_overlapping", Range<Space>(space, 0, n),
                          FindOverlapping<Space, Real, periodic, ListPairs<Space>>{
                              state, neighbours, {lists_, islands.forest}});
   });
@@ -238,9 +237,9 @@ bool Rounds<Space, Real>::resolve(Space const& space,
       Verify<Space, Real, periodic, ListPairs<Space>> const verify{
           state, neighbours, islands.pushes, {lists_, islands.forest}, pass == 1};
       Kokkos::parallel_for(
-          "ricochet::verify_rounds", Range(space, 0, members),
+          "ricochet::verify_rounds", Range<Space>(space, 0, members),
           VerifyListed<Space, Real, periodic, ListPairs<Space>>{verify, lists_.members});
-      Kokkos::parallel_for("ricochet::verify_far", Range(space, 0, far),
+      Kokkos::parallel_for("ricochet::verify_far", Range<Space>(space, 0, far),
                            VerifyFar<Space, Real, periodic, ListPairs<Space>>{verify});
     });
   }
@@ -274,7 +273,7 @@ void Rounds<Space, Real>::forget_pairs(Space const& space, int but)
 {
   auto const lists = lists_;
   Kokkos::parallel_for(
-      "ricochet::forget_pairs", Range(space, 0, 1),
+      "ricochet::forget_pairs", Range<Space>(space, 0, 1),
       KOKKOS_LAMBDA(int) { lists.counts().pairs = but; });
 }
 
@@ -287,7 +286,7 @@ void Rounds<Space, Real>::list_partners(Space const& space,
   auto const n = static_cast<int>(lists.next.extent(0));
   Kokkos::deep_copy(space, lists.begin, 0);
   Kokkos::parallel_for(
-      "ricochet::count_partners", Range(space, 0, pairs), KOKKOS_LAMBDA(int p) {
+      "ricochet::count_partners", Range<Space>(space, 0, pairs), KOKKOS_LAMBDA(int p) {
         fetch_add<Space>(lists.begin(lists.pairs(p, 0)), 1);
         fetch_add<Space>(lists.begin(lists.pairs(p, 1)), 1);
       });
@@ -302,13 +301,13 @@ void Rounds<Space, Real>::list_partners(Space const& space,
         before += here;
       });
   Kokkos::parallel_for(
-      "ricochet::fill_partners", Range(space, 0, pairs), KOKKOS_LAMBDA(int p) {
+      "ricochet::fill_partners", Range<Space>(space, 0, pairs), KOKKOS_LAMBDA(int p) {
         int const a = lists.pairs(p, 0), b = lists.pairs(p, 1);
         lists.partner(fetch_add<Space>(lists.next(a), 1)) = b;
         lists.partner(fetch_add<Space>(lists.next(b), 1)) = a;
       });
   Kokkos::parallel_for(
-      "ricochet::sort_partners", Range(space, 0, n),
+      "ricochet::sort_partners", Range<Space>(space, 0, n),
       KOKKOS_LAMBDA(int slot) { lists.tidy(slot, id); });
 }
 
@@ -324,16 +323,16 @@ int Rounds<Space, Real>::start_members(
   auto const n = static_cast<int>(lists.next.extent(0));
   Kokkos::deep_copy(space, islands.is_wrong, 0);
   Kokkos::parallel_for(
-      "ricochet::start_rounds", Range(space, 0, 1),
+      "ricochet::start_rounds", Range<Space>(space, 0, 1),
       KOKKOS_LAMBDA(int) { lists.counts().active[0] = lists.counts().active[1] = 0; });
   Kokkos::parallel_for(
-      "ricochet::mark_islands", Range(space, first_pair, pairs), KOKKOS_LAMBDA(int p) {
+      "ricochet::mark_islands", Range<Space>(space, first_pair, pairs), KOKKOS_LAMBDA(int p) {
         int const node = Islands<Space>::node(lists.pairs(p, 0));
         islands.is_wrong(islands.forest.root(node)) = 1;
       });
   TakeBack<Space> const take_back{contact.tally, islands.pushes};
   Kokkos::parallel_for(
-      "ricochet::start_members", Range(space, 0, n), KOKKOS_LAMBDA(int slot) {
+      "ricochet::start_members", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
         int const root = islands.forest.root(Islands<Space>::node(slot));
         if (islands.is_wrong(root) == 0)
           return;
@@ -359,10 +358,10 @@ void Rounds<Space, Real>::execute(Space const& space,
     int const from = round % 2;
     point.from = from;
     respond.from = 1 - from;
-    Kokkos::parallel_for("ricochet::point_at_next", Range(space, 0, members), point);
-    Kokkos::parallel_for("ricochet::respond_mutually", Range(space, 0, members), respond);
+    Kokkos::parallel_for("ricochet::point_at_next", Range<Space>(space, 0, members), point);
+    Kokkos::parallel_for("ricochet::respond_mutually", Range<Space>(space, 0, members), respond);
     Kokkos::parallel_for(
-        "ricochet::end_round", Range(space, 0, 1),
+        "ricochet::end_round", Range<Space>(space, 0, 1),
         KOKKOS_LAMBDA(int) { lists.counts().active[from] = 0; });
   }
   Kokkos::parallel_for("ricochet::finish_rounds", Kokkos::TeamPolicy<Space>(space, 1, Kokkos::AUTO),

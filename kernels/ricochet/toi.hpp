@@ -50,7 +50,6 @@ class TimeOfImpact : public Engine {
   int threads() const override { return space_.concurrency(); }
 
  private:
-  using Range = Kokkos::RangePolicy<Space>;
 
   /// After so many rounds in a step contacts are left to the next one: discs at rest on each other
   /// would go on for ever.
@@ -78,6 +77,7 @@ class TimeOfImpact : public Engine {
     resolve_contacts<periodic>();
     fly();
     --ahead_;
+    ++steps_since_sort_;
     books_.count_steps(1);
   }
 
@@ -185,6 +185,7 @@ class TimeOfImpact : public Engine {
   Kokkos::View<Happened, Space> happened_;             ///< in one kernel
   typename ContactMemory<Space, Real>::Counts counts_; ///< as the host last saw them
   int ahead_ = 0;           ///< steps until discs are sorted again, at the latest
+  int steps_since_sort_ = 0;
   bool has_listed_ = false; ///< candidates
   double travel_ = 0;       ///< how far a disc can be from where it was sorted
   double speed_ = 0;        ///< of the fastest disc; no less than that
@@ -219,13 +220,14 @@ void TimeOfImpact<Space, Real>::sort()
   grid_.sort(space_, discs_);
   speed_ = std::sqrt(inspection_.extremes(space_, discs_).speed2) * (1 + 1e-6);
   travel_ = 0;
+  steps_since_sort_ = 0;
   ahead_ = std::max(steps_near(), 1);
   counts_ = {};
   has_listed_ = ahead_ > 1 && has_one_image();
   if (!has_listed_)
     return;
   Kokkos::deep_copy(space_, memory_.counts, counts_);
-  Kokkos::parallel_for("ricochet::list_candidates", Range(space_, 0, discs_.count()),
+  Kokkos::parallel_for("ricochet::list_candidates", Range<Space>(space_, 0, discs_.count()),
                        ListCandidates<Space, Real, periodic>{this_step<periodic>(), grid_.cell()});
   counts_ = value_after(space_, memory_.counts);
 }
@@ -273,6 +275,7 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
           any_image,
           is_near(travel) && !any_image,
           static_cast<Real>(has_listed_ ? ahead_ * dt_ : dt_),
+          static_cast<Real>(steps_since_sort_ * dt_),
           has_listed_ ? std::max(nearness(), travel) : travel,
           speed};
 }
@@ -288,14 +291,15 @@ void TimeOfImpact<Space, Real>::find_contacts()
   Kokkos::deep_copy(space_, memory_.counts, counts);
   auto const step = this_step<periodic>();
   if (has_listed_) {
-    Kokkos::parallel_reduce("ricochet::find_among_candidates", Range(space_, 0, counts.candidates),
-                            FindAmongCandidates<Space, Real, periodic>{step},
+    auto const end = static_cast<float>((steps_since_sort_ + 1) * dt_ * (1 + 1e-6));
+    Kokkos::parallel_reduce("ricochet::find_among_candidates", Range<Space>(space_, 0, counts.candidates),
+                            FindAmongCandidates<Space, Real, periodic>{step, end},
                             Merge<Happened, Space>(happened_));
     enter_happened(1);
     return;
   }
   auto const find = [&](auto walls, auto near) {
-    Kokkos::parallel_reduce("ricochet::find_contacts", Range(space_, 0, discs_.count()),
+    Kokkos::parallel_reduce("ricochet::find_contacts", Range<Space>(space_, 0, discs_.count()),
                             FindContacts<Space, Real, periodic, walls, near>{step, grid_.cell()},
                             Merge<Happened, Space>(happened_));
   };
@@ -319,11 +323,11 @@ void TimeOfImpact<Space, Real>::execute_round(int round, int called)
   auto const step = this_step<periodic>();
   WallRule<Real, true> const wall{static_cast<Real>(model_.contact.restitution),
                                   static_cast<Real>(model_.contact.friction)};
-  Kokkos::parallel_for("ricochet::choose_next", Range(space_, 0, called),
+  Kokkos::parallel_for("ricochet::choose_next", Range<Space>(space_, 0, called),
                        ChooseNext<Space, Real, periodic>{step, round});
   std::visit(
       [&](auto const& law) {
-        Kokkos::parallel_reduce("ricochet::resolve_contacts", Range(space_, 0, called),
+        Kokkos::parallel_reduce("ricochet::resolve_contacts", Range<Space>(space_, 0, called),
                                 ResolveContacts<Space, Real, periodic, std::decay_t<decltype(law)>>{
                                     step, law, wall, books_.scales(), round},
                                 Merge<Happened, Space>(happened_));
@@ -331,7 +335,7 @@ void TimeOfImpact<Space, Real>::execute_round(int round, int called)
       law_);
   enter_happened(round + 1);
   Kokkos::parallel_for("ricochet::find_new_contacts",
-                       Range(space_, 0, std::min(2 * called, discs_.count())),
+                       Range<Space>(space_, 0, std::min(2 * called, discs_.count())),
                        FindNewContacts<Space, Real, periodic>{step, grid_.cell(), round});
 }
 
@@ -343,7 +347,7 @@ void TimeOfImpact<Space, Real>::enter_happened(int next_round)
   auto const happened = happened_;
   auto const books = books_.view();
   Kokkos::parallel_for(
-      "ricochet::enter_in_books", Range(space_, 0, 1), KOKKOS_LAMBDA(int) {
+      "ricochet::enter_in_books", Range<Space>(space_, 0, 1), KOKKOS_LAMBDA(int) {
         books().merge(happened().books);
         counts().speed2 = happened().speed2;
         if (next_round > 1)
@@ -358,11 +362,11 @@ void TimeOfImpact<Space, Real>::fly()
   auto const memory = memory_;
   int const active = value_after(space_, memory_.counts).active;
   with_landing(discs_, model_, dt_, [&](auto const& land) {
-    Kokkos::parallel_reduce("ricochet::settle", Range(space_, 0, active),
+    Kokkos::parallel_reduce("ricochet::settle", Range<Space>(space_, 0, active),
                             Settle<Space, Real, std::decay_t<decltype(land)>>{
                                 memory, land, Outside(model_), model_.gravity, books_.scales()},
                             Merge<Happened, Space>(happened_));
-    Kokkos::parallel_for("ricochet::fly", Range(space_, 0, discs_.count()), land);
+    Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
   });
   enter_happened(1);
   travel_ += longest_path();
@@ -379,7 +383,7 @@ Real TimeOfImpact<Space, Real>::closest_candidates() const
   Domain<Real, periodic> const domain(model_.box);
   Real closest2 = 0;
   Kokkos::parallel_reduce(
-      "ricochet::find_closest_candidates", Range(space_, 0, counts_.candidates),
+      "ricochet::find_closest_candidates", Range<Space>(space_, 0, counts_.candidates),
       KOKKOS_LAMBDA(int place, Real& least) {
         int const i = candidate(place, 0), k = candidate(place, 1);
         if (k == partner::none)

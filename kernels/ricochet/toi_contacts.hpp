@@ -21,7 +21,7 @@
 //
 // In the same way the search for those that meet in a step is made for several steps at once:
 // candidates are the pairs whose lines, and discs whose line and a wall, come together before the
-// discs are sorted again.
+// discs are sorted again. Each is listed with a time before which it need not be looked at.
 #pragma once
 
 #include "ricochet/contacts.hpp"
@@ -74,6 +74,9 @@ struct ContactMemory {
   /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
   /// where it is a wall.
   Kokkos::View<int* [2], Space> candidate;
+  /// Of each, a time since discs were sorted that is not later than when they come together on
+  /// their present lines. Steps go through all of these, so they are short.
+  Kokkos::View<float*, Space> due;
 
   struct Counts {
     int list[2] = {0, 0}, changed = 0, active = 0;
@@ -93,6 +96,7 @@ struct ContactMemory {
       changed(uninitialised<Ints>("ricochet::changed", n)),
       active(uninitialised<Ints>("ricochet::active", n)),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", n)),
+      due(uninitialised<decltype(due)>("ricochet::candidate_due", n)),
       counts("ricochet::contact_counts")
   {
   }
@@ -116,13 +120,15 @@ struct ContactMemory {
   }
 
   /// Adds a candidate if there is room. More are counted than there are if there was not.
-  KOKKOS_INLINE_FUNCTION void add_candidate(int slot, int other) const
+  KOKKOS_INLINE_FUNCTION void add_candidate(int slot, int other, Real time) const
   {
     int const place = fetch_add<Space>(counts().candidates, 1);
     if (place >= static_cast<int>(candidate.extent(0)))
       return;
     candidate(place, 0) = slot;
     candidate(place, 1) = other;
+    constexpr float rounded_down = 1 - 4 * std::numeric_limits<float>::epsilon();
+    due(place) = static_cast<float>(time) * rounded_down;
   }
   bool has_room(int candidates) const
   {
@@ -152,6 +158,7 @@ struct ToiStep {
   bool any_image;      ///< whether discs may meet in more than their nearest images
   bool is_near;        ///< whether discs that meet in it were sorted into neighbouring cells
   Real until;          ///< time for which candidates are listed, or the end of the step
+  Real now;            ///< when the step begins, counted from when discs were sorted
   double travel;       ///< farthest that any disc is, up to then, from where it was sorted
   double speed;        ///< of the fastest disc, also after a contact
 
@@ -186,12 +193,52 @@ struct ToiStep {
                                arena.lab_velocity(discs.velocity(i), from), to - from);
   }
 
-  /// Enters two discs in each other's lists, and calls them up, if they meet in this step.
-  KOKKOS_INLINE_FUNCTION void enter_meeting(int i, int j, int round) const
+  /// A time not later than when discs i and k, on their lines from `since` on, are as close as
+  /// safe_distance2; infinite if that is not before `until`.
+  ///
+  /// What rounding changes in it is less than the time in which discs cover the difference between
+  /// the safe distance and a diameter, so it is not later than they touch however their places are
+  /// rounded in the steps until then.
+  KOKKOS_INLINE_FUNCTION Real not_before(int i, int k, Real since) const
   {
-    if (meeting(i, j) < arena.end)
-      enter_partners(i, j, round);
+    auto const w = discs.velocity(k) - discs.velocity(i);
+    auto const d = arena.domain.separation(
+        {0, 0}, (discs.position(k) - discs.position(i)) + since * w);
+    if (any_image || dot(d, d) <= safe_distance2)
+      return since;
+    Real const time = since + time_to_meet(d, w, safe_distance2, until - since);
+    return time < until ? time : std::numeric_limits<Real>::infinity();
   }
+
+  /// The same for disc i and a wall.
+  KOKKOS_INLINE_FUNCTION Real not_before_wall(int i, Real since) const
+  {
+    if (misses_walls(i, since, until))
+      return std::numeric_limits<Real>::infinity();
+    if (m.last(i).rests != 0) // on a line that is not its path; see ResolveContacts
+      return since;
+    auto closer = arena;
+    closer.wall_x -= rounding;
+    closer.wall_y -= rounding;
+    closer.end = until;
+    return closer.next_wall({at(i, since), discs.velocity(i), since, 0, 0, 0}).due;
+  }
+
+  /// Lists two discs, or one and a wall, as a candidate if they come together in the steps ahead.
+  KOKKOS_INLINE_FUNCTION void list_candidate(int i, int k, Real since) const
+  {
+    Real const time = not_before(i, k, since);
+    if (time < until)
+      m.add_candidate(i, k, now + time);
+  }
+  KOKKOS_INLINE_FUNCTION void list_wall(int i, Real since) const
+  {
+    Real const time = not_before_wall(i, since);
+    if (time < until)
+      m.add_candidate(i, partner::none, now + time);
+  }
+
+  /// Enters two discs in each other's lists, and calls them up.
   KOKKOS_INLINE_FUNCTION void enter_partners(int i, int j, int round) const
   {
     m.add_partner(i, j);
@@ -316,24 +363,34 @@ struct ListCandidates {
 
   KOKKOS_INLINE_FUNCTION void operator()(int i) const
   {
-    for_each_that_may_meet<true>(step, cell(i), i, [&](int k) { step.m.add_candidate(i, k); });
-    if (!step.misses_walls(i, 0, step.until))
-      step.m.add_candidate(i, partner::none);
+    for_each_that_may_meet<true>(step, cell(i), i, [&](int k) { step.list_candidate(i, k, 0); });
+    step.list_wall(i, 0);
   }
 };
 
-/// Finds who of the candidates meets in the step.
+/// Finds who of the candidates meets in the step. Those that will not meet any more on their lines
+/// are not looked at again.
 template <class Space, class Real, bool periodic>
 struct FindAmongCandidates {
   ToiStep<Space, Real, periodic> step;
+  float end; ///< of the step, counted from when discs were sorted; not rounded down
 
   KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
   {
+    if (step.m.due(place) > end)
+      return;
+    constexpr float never = std::numeric_limits<float>::infinity();
     int const i = step.m.candidate(place, 0), k = step.m.candidate(place, 1);
-    if (k != partner::none)
+    if (k == partner::none) {
+      if (!step.misses_walls(i, 0, step.arena.end))
+        step.m.call_up(i, 1);
+      else if (step.misses_walls(i, 0, step.until))
+        step.m.due(place) = never;
+    } else {
       begin_with(step, i, k, happened.books);
-    else if (!step.misses_walls(i, 0, step.arena.end))
-      step.m.call_up(i, 1);
+      if (!(step.not_before(i, k, 0) < step.until))
+        step.m.due(place) = never;
+    }
   }
 };
 
@@ -528,23 +585,25 @@ struct ResolveContacts {
     step.m.last(i).rests = side;
   }
 
-  /// Notes that a disc has a new line, and calls up whom that concerns.
+  /// Notes that a disc has a new line, and calls up whom that concerns. The disc itself, and the
+  /// one it has met, are only called up if they meet others then.
   KOKKOS_INLINE_FUNCTION void change(int i, Happened& happened) const
   {
     auto const w = as<double>(step.discs.velocity(i));
     happened.speed2 = dot(w, w) > happened.speed2 ? dot(w, w) : happened.speed2;
     step.m.changed(fetch_add<Space>(step.m.counts().changed, 1)) = i;
-    step.m.call_up(i, round + 1);
-    if (step.m.has_list(i))
-      for (int k = 0; k < step.m.partners(i); ++k) {
-        int const other = step.m.partner(i, k);
-        if (step.m.next(other).with == i)
-          step.m.call_up(other, round + 1);
-      }
+    if (!step.m.has_list(i))
+      return;
+    for (int k = 0; k < step.m.partners(i); ++k) {
+      int const other = step.m.partner(i, k);
+      if (step.m.next(other).with == i && step.m.last(i).met != other)
+        step.m.call_up(other, round + 1);
+    }
+    step.m.partners(i) = 0;
   }
 };
 
-/// Finds whom discs meet on the lines they have got in this round.
+/// Finds whom discs meet, and a wall too, on the lines they have got in this round.
 template <class Space, class Real, bool periodic>
 struct FindNewContacts {
   ToiStep<Space, Real, periodic> step;
@@ -558,6 +617,7 @@ struct FindNewContacts {
     int const i = step.m.changed(place);
     Real const since = step.m.last(i).since;
     auto const q = step.at(i, since);
+    step.m.next(i) = {step.arena.end, partner::none, round};
     auto const note = [&](int k) {
       if (k != i)
         enter(i, k);
@@ -571,9 +631,11 @@ struct FindNewContacts {
         step.neighbours.template for_each_near_that<across_ends>(
             q, step.reach(step.discs.velocity(i), step.until - since), 0, may_meet, note);
     });
-    if (step.lists_candidates() && !step.misses_walls(i, since, step.until))
-      step.m.add_candidate(i, partner::none);
-    if (!step.m.has_list(i)) // who was to meet it is not known
+    if (!step.misses_walls(i, since, step.arena.end))
+      step.m.call_up(i, round + 1);
+    if (step.lists_candidates())
+      step.list_wall(i, since);
+    if (!step.m.has_list(i)) // who was to meet it is not known; it is called up itself, too
       step.neighbours.template for_each_near_that<periodic>(
           q, step.travel + step.reach({static_cast<Real>(step.speed), 0}, step.arena.end), 0,
           [](int) { return true; }, [&](int k) { step.m.call_up(k, round + 1); });
@@ -582,10 +644,13 @@ struct FindNewContacts {
  private:
   KOKKOS_INLINE_FUNCTION void enter(int i, int k) const
   {
-    step.enter_meeting(i, k, round + 1);
+    if (step.meeting(i, k) < step.arena.end) {
+      step.enter_partners(i, k, round + 1);
+      return; // what comes of it is looked at then
+    }
     bool const found_by_both = step.m.last(i).met == k && step.m.last(k).met == i;
     if (step.lists_candidates() && !(found_by_both && i > k))
-      step.m.add_candidate(i, k);
+      step.list_candidate(i, k, step.m.last(i).since);
   }
 };
 
