@@ -86,12 +86,13 @@ class TimeOfImpact : public Engine {
   {
     ProfilingRegion const region("ricochet::resolve_contacts");
     for (int round = 1; round <= most_rounds; ++round) {
+      ListCalled<Space, Real> const list{memory_, round};
+      scan("ricochet::list_called", space_, list.count(), list);
       counts_ = value_after(space_, memory_.counts);
       note_speed(std::sqrt(counts_.speed2));
-      int const called = counts_.list[round % 2];
-      if (called == 0)
+      if (counts_.called == 0)
         return;
-      execute_round<periodic>(round, called);
+      execute_round<periodic>(round, counts_.called);
     }
     has_listed_ = false; // discs that must be kept inside the box now leave their lines
   }
@@ -170,7 +171,7 @@ class TimeOfImpact : public Engine {
   template <bool periodic>
   Real closest_candidates() const;
   void fly();
-  void enter_happened(int next_round);
+  void enter_happened();
 
  private:
   Space space_ = own_instance<Space>();
@@ -227,8 +228,10 @@ void TimeOfImpact<Space, Real>::sort()
   if (!has_listed_)
     return;
   Kokkos::deep_copy(space_, memory_.counts, counts_);
-  Kokkos::parallel_for("ricochet::list_candidates", Range<Space>(space_, 0, discs_.count()),
-                       ListCandidates<Space, Real, periodic>{this_step<periodic>(), grid_.cell()});
+  using List = ListCandidates<Space, Real, periodic>;
+  Kokkos::parallel_for("ricochet::list_candidates",
+                       Range<Space>(space_, 0, (discs_.count() + List::block - 1) / List::block),
+                       List{this_step<periodic>(), grid_.cell()});
   counts_ = value_after(space_, memory_.counts);
 }
 
@@ -295,7 +298,7 @@ void TimeOfImpact<Space, Real>::find_contacts()
     Kokkos::parallel_reduce("ricochet::find_among_candidates", Range<Space>(space_, 0, counts.candidates),
                             FindAmongCandidates<Space, Real, periodic>{step, end},
                             Merge<Happened, Space>(happened_));
-    enter_happened(1);
+    enter_happened();
     return;
   }
   auto const find = [&](auto walls, auto near) {
@@ -308,12 +311,12 @@ void TimeOfImpact<Space, Real>::find_contacts()
   if constexpr (periodic) {
     if (!walls) {
       near ? find(std::false_type{}, std::true_type{}) : find(std::false_type{}, std::false_type{});
-      enter_happened(1);
+      enter_happened();
       return;
     }
   }
   near ? find(std::true_type{}, std::true_type{}) : find(std::true_type{}, std::false_type{});
-  enter_happened(1);
+  enter_happened();
 }
 
 template <class Space, class Real>
@@ -333,15 +336,14 @@ void TimeOfImpact<Space, Real>::execute_round(int round, int called)
                                 Merge<Happened, Space>(happened_));
       },
       law_);
-  enter_happened(round + 1);
-  Kokkos::parallel_for("ricochet::find_new_contacts",
-                       Range<Space>(space_, 0, std::min(2 * called, discs_.count())),
+  enter_happened();
+  Kokkos::parallel_for("ricochet::find_new_contacts", Range<Space>(space_, 0, called),
                        FindNewContacts<Space, Real, periodic>{step, grid_.cell(), round});
 }
 
 /// Enters what one kernel reported in the books of the run.
 template <class Space, class Real>
-void TimeOfImpact<Space, Real>::enter_happened(int next_round)
+void TimeOfImpact<Space, Real>::enter_happened()
 {
   auto const counts = memory_.counts;
   auto const happened = happened_;
@@ -350,8 +352,6 @@ void TimeOfImpact<Space, Real>::enter_happened(int next_round)
       "ricochet::enter_in_books", Range<Space>(space_, 0, 1), KOKKOS_LAMBDA(int) {
         books().merge(happened().books);
         counts().speed2 = happened().speed2;
-        if (next_round > 1)
-          counts().list[(next_round + 1) % 2] = 0;
       });
 }
 
@@ -359,16 +359,15 @@ template <class Space, class Real>
 void TimeOfImpact<Space, Real>::fly()
 {
   ProfilingRegion const region("ricochet::fly");
-  auto const memory = memory_;
-  int const active = value_after(space_, memory_.counts).active;
+  int const blocks = static_cast<int>(memory_.called_in_block.extent(0));
   with_landing(discs_, model_, dt_, [&](auto const& land) {
-    Kokkos::parallel_reduce("ricochet::settle", Range<Space>(space_, 0, active),
+    Kokkos::parallel_reduce("ricochet::settle", Range<Space>(space_, 0, blocks),
                             Settle<Space, Real, std::decay_t<decltype(land)>>{
-                                memory, land, Outside(model_), model_.gravity, books_.scales()},
+                                memory_, land, Outside(model_), model_.gravity, books_.scales()},
                             Merge<Happened, Space>(happened_));
     Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
   });
-  enter_happened(1);
+  enter_happened();
   travel_ += longest_path();
   speed_ += std::fabs(model_.gravity) * dt_;
 }

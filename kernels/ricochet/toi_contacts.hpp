@@ -17,7 +17,8 @@
 // Only what can have changed is looked at again: each disc has a list of those it meets on present
 // lines, complete at all times because whoever changes its line looks for others, enters itself in
 // their lists and calls them up for the next round. Lists are in any order; what is taken from them
-// is the earliest.
+// is the earliest. A disc is called up by a mark, and those with marks are listed in the order of
+// slots, so that threads keep to discs of their own and share no counter.
 //
 // In the same way the search for those that meet in a step is made for several steps at once:
 // candidates are the pairs whose lines, and discs whose line and a wall, come together before the
@@ -57,20 +58,30 @@ struct Happened {
   }
 };
 
+/// The contacts of one disc in a step. What is looked up together is together in memory: it fills a
+/// line of the cache.
+template <class Real>
+struct alignas(64) DiscContacts {
+  static constexpr int longest = 6; ///< a disc that meets more has no list; it searches
+
+  Encounter<Real> last;
+  NextEvent<Real> next; ///< of those called up in this step
+  int partner[longest]; ///< slots of discs that it meets, or met before
+  int partners = 0;     ///< how many
+  int changed = 0;      ///< latest round in which it got a new line, or 0
+};
+
 /// Memory of the contacts of a step, by slot unless it says otherwise. Between steps it is as new.
 template <class Space, class Real>
 struct ContactMemory {
   using Ints = Kokkos::View<int*, Space>;
-  static constexpr int longest = 6; ///< a disc that meets more has no list; it searches
+  static constexpr int longest = DiscContacts<Real>::longest;
+  static constexpr int block = 64; ///< slots, for some kernels
 
-  Kokkos::View<Encounter<Real>*, Space> last;
-  Kokkos::View<NextEvent<Real>*, Space> next;  ///< of those called up in this step
-  Kokkos::View<int* [longest], Space> partner; ///< slots of discs that it meets, or met before
-  Ints partners;                               ///< how many
-  Ints called;                                 ///< latest round it was called up for, or 0
-  Ints list[2];                                ///< those called up for the odd and even rounds
-  Ints changed;                                ///< those with new lines in this round
-  Ints active;                                 ///< those called up in this step
+  Kokkos::View<DiscContacts<Real>*, Space> of_disc;
+  Ints called;          ///< latest round it was called up for, or 0
+  Ints called_in_block; ///< latest round that any of a block was called up for
+  Ints list;            ///< those called up for this round, in order
   /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
   /// where it is a wall.
   Kokkos::View<int* [2], Space> candidate;
@@ -79,70 +90,121 @@ struct ContactMemory {
   Kokkos::View<float*, Space> due;
 
   struct Counts {
-    int list[2] = {0, 0}, changed = 0, active = 0;
+    int called = 0; ///< for this round
     int candidates = 0;
     double speed2 = 0; ///< of the last round
   };
   Kokkos::View<Counts, Space> counts;
 
   explicit ContactMemory(int n)
-    : last("ricochet::last_encounter", n),
-      next("ricochet::next_event", n),
-      partner(uninitialised<decltype(partner)>("ricochet::partner", n)),
-      partners("ricochet::partner_count", n),
+    : of_disc("ricochet::disc_contacts", n),
       called("ricochet::called_for_round", n),
-      list{uninitialised<Ints>("ricochet::odd_round", n),
-           uninitialised<Ints>("ricochet::even_round", n)},
-      changed(uninitialised<Ints>("ricochet::changed", n)),
-      active(uninitialised<Ints>("ricochet::active", n)),
+      called_in_block("ricochet::called_in_block", (n + block - 1) / block),
+      list(uninitialised<Ints>("ricochet::called_up", n)),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", n)),
       due(uninitialised<decltype(due)>("ricochet::candidate_due", n)),
       counts("ricochet::contact_counts")
   {
   }
 
+  KOKKOS_INLINE_FUNCTION Encounter<Real>& last(int slot) const { return of_disc(slot).last; }
+  KOKKOS_INLINE_FUNCTION NextEvent<Real>& next(int slot) const { return of_disc(slot).next; }
+
   /// Adds a disc to those whose next event is determined in `round`.
   KOKKOS_INLINE_FUNCTION void call_up(int slot, int round) const
   {
-    int const before = exchange<Space>(called(slot), round);
-    if (before == round)
-      return;
-    list[round % 2](fetch_add<Space>(counts().list[round % 2], 1)) = slot;
-    if (before == 0)
-      active(fetch_add<Space>(counts().active, 1)) = slot;
+    if (exchange<Space>(called(slot), round) != round)
+      exchange<Space>(called_in_block(slot / block), round);
   }
 
   KOKKOS_INLINE_FUNCTION void add_partner(int slot, int other) const
   {
-    int const place = fetch_add<Space>(partners(slot), 1);
+    int const place = fetch_add<Space>(of_disc(slot).partners, 1);
     if (place < longest)
-      partner(slot, place) = other;
+      of_disc(slot).partner[place] = other;
   }
 
-  /// Adds a candidate if there is room. More are counted than there are if there was not.
-  KOKKOS_INLINE_FUNCTION void add_candidate(int slot, int other, Real time) const
-  {
-    int const place = fetch_add<Space>(counts().candidates, 1);
-    if (place >= static_cast<int>(candidate.extent(0)))
-      return;
-    candidate(place, 0) = slot;
-    candidate(place, 1) = other;
-    constexpr float rounded_down = 1 - 4 * std::numeric_limits<float>::epsilon();
-    due(place) = static_cast<float>(time) * rounded_down;
-  }
+  /// Whether all partners of a disc are in its list.
+  KOKKOS_INLINE_FUNCTION bool has_list(int slot) const { return of_disc(slot).partners <= longest; }
+
   bool has_room(int candidates) const
   {
     return candidates <= static_cast<int>(candidate.extent(0));
   }
 
-  KOKKOS_INLINE_FUNCTION bool has_list(int slot) const { return partners(slot) <= longest; }
-
   KOKKOS_INLINE_FUNCTION void reset(int slot) const
   {
     last(slot) = Encounter<Real>{};
-    partners(slot) = 0;
+    of_disc(slot).partners = 0;
+    of_disc(slot).changed = 0;
     called(slot) = 0;
   }
+};
+
+/// Lists the discs that are called up for a round, a block of slots at a time: the body of a scan.
+template <class Space, class Real>
+struct ListCalled {
+  ContactMemory<Space, Real> m;
+  int round;
+
+  int count() const { return static_cast<int>(m.called_in_block.extent(0)); }
+
+  KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
+  {
+    if (m.called_in_block(b) == round) {
+      int const n = static_cast<int>(m.called.extent(0));
+      int const begin = b * m.block, end = begin + m.block < n ? begin + m.block : n;
+      for (int slot = begin; slot < end; ++slot)
+        if (m.called(slot) == round) {
+          if (final)
+            m.list(before) = slot;
+          ++before;
+        }
+    }
+    if (final && b + 1 == static_cast<int>(m.called_in_block.extent(0)))
+      m.counts().called = before;
+  }
+};
+
+/// Candidates that one work item has found, which takes places in the list for several at once.
+template <class Space, class Real>
+class CandidateBatch {
+ public:
+  explicit KOKKOS_INLINE_FUNCTION CandidateBatch(ContactMemory<Space, Real> const& m) : m_(m) {}
+
+  KOKKOS_INLINE_FUNCTION void add(int slot, int other, Real time)
+  {
+    if (size_ == capacity)
+      flush();
+    entry_[size_++] = {slot, other, time};
+  }
+
+  /// Lists them, as far as there is room. More are counted than there are if there was not.
+  KOKKOS_INLINE_FUNCTION void flush()
+  {
+    if (size_ == 0)
+      return;
+    int place = fetch_add<Space>(m_.counts().candidates, size_);
+    int const room = static_cast<int>(m_.candidate.extent(0));
+    constexpr float rounded_down = 1 - 4 * std::numeric_limits<float>::epsilon();
+    for (int k = 0; k < size_ && place < room; ++k, ++place) {
+      m_.candidate(place, 0) = entry_[k].slot;
+      m_.candidate(place, 1) = entry_[k].other;
+      m_.due(place) = static_cast<float>(entry_[k].time) * rounded_down;
+    }
+    size_ = 0;
+  }
+
+ private:
+  struct Entry {
+    int slot, other;
+    Real time;
+  };
+  static constexpr int capacity = 32;
+
+  ContactMemory<Space, Real> const& m_;
+  Entry entry_[capacity];
+  int size_ = 0;
 };
 
 /// What all kernels of a step work on.
@@ -225,17 +287,18 @@ struct ToiStep {
   }
 
   /// Lists two discs, or one and a wall, as a candidate if they come together in the steps ahead.
-  KOKKOS_INLINE_FUNCTION void list_candidate(int i, int k, Real since) const
+  KOKKOS_INLINE_FUNCTION void list_candidate(int i, int k, Real since,
+                                             CandidateBatch<Space, Real>& batch) const
   {
     Real const time = not_before(i, k, since);
     if (time < until)
-      m.add_candidate(i, k, now + time);
+      batch.add(i, k, now + time);
   }
-  KOKKOS_INLINE_FUNCTION void list_wall(int i, Real since) const
+  KOKKOS_INLINE_FUNCTION void list_wall(int i, Real since, CandidateBatch<Space, Real>& batch) const
   {
     Real const time = not_before_wall(i, since);
     if (time < until)
-      m.add_candidate(i, partner::none, now + time);
+      batch.add(i, partner::none, now + time);
   }
 
   /// Enters two discs in each other's lists, and calls them up.
@@ -355,16 +418,27 @@ KOKKOS_INLINE_FUNCTION void for_each_that_may_meet(ToiStep<Space, Real, periodic
   });
 }
 
-/// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted.
+/// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted, a block
+/// of discs at a time.
 template <class Space, class Real, bool periodic>
 struct ListCandidates {
+  static constexpr int block =
+      Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible ? 32 : 1;
+
   ToiStep<Space, Real, periodic> step;
   typename CellGrid<Space, Real>::Ints cell;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
-    for_each_that_may_meet<true>(step, cell(i), i, [&](int k) { step.list_candidate(i, k, 0); });
-    step.list_wall(i, 0);
+    int const n = step.discs.count();
+    int const begin = b * block, end = begin + block < n ? begin + block : n;
+    CandidateBatch<Space, Real> batch(step.m);
+    for (int i = begin; i < end; ++i) {
+      for_each_that_may_meet<true>(step, cell(i), i,
+                                   [&](int k) { step.list_candidate(i, k, 0, batch); });
+      step.list_wall(i, 0, batch);
+    }
+    batch.flush();
   }
 };
 
@@ -419,17 +493,15 @@ struct ChooseNext {
   KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
     auto const& arena = step.arena;
-    if (place == 0)
-      step.m.counts().changed = 0;
-    int const i = step.m.list[round % 2](place);
+    int const i = step.m.list(place);
     Real const since = step.m.last(i).since;
     auto const wall = arena.next_wall({step.at(i, since), step.discs.velocity(i), since, 0, 0, 0});
     NextEvent<Real> next{arena.end, partner::none, round};
     if (wall.due < arena.end)
       next = {wall.due, wall.with, round};
     if (step.m.has_list(i))
-      for (int k = 0; k < step.m.partners(i); ++k)
-        consider(i, step.m.partner(i, k), next);
+      for (int k = 0; k < step.m.of_disc(i).partners; ++k)
+        consider(i, step.m.of_disc(i).partner[k], next);
     else
       step.neighbours.template for_each_near_that<periodic>(
           step.at(i, since), step.reach(step.discs.velocity(i), arena.end), 0,
@@ -465,7 +537,7 @@ struct ResolveContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
   {
-    int const i = step.m.list[round % 2](place);
+    int const i = step.m.list(place);
     NextEvent<Real> const& next = step.m.next(i);
     if (next.with == partner::none)
       return;
@@ -591,15 +663,16 @@ struct ResolveContacts {
   {
     auto const w = as<double>(step.discs.velocity(i));
     happened.speed2 = dot(w, w) > happened.speed2 ? dot(w, w) : happened.speed2;
-    step.m.changed(fetch_add<Space>(step.m.counts().changed, 1)) = i;
+    auto& own = step.m.of_disc(i);
+    own.changed = round;
     if (!step.m.has_list(i))
       return;
-    for (int k = 0; k < step.m.partners(i); ++k) {
-      int const other = step.m.partner(i, k);
-      if (step.m.next(other).with == i && step.m.last(i).met != other)
+    for (int k = 0; k < own.partners; ++k) {
+      int const other = own.partner[k];
+      if (step.m.next(other).with == i && own.last.met != other)
         step.m.call_up(other, round + 1);
     }
-    step.m.partners(i) = 0;
+    own.partners = 0;
   }
 };
 
@@ -612,15 +685,28 @@ struct FindNewContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
-    if (place >= step.m.counts().changed)
+    int const i = step.m.list(place);
+    if (step.m.of_disc(i).changed != round)
       return;
-    int const i = step.m.changed(place);
+    CandidateBatch<Space, Real> batch(step.m);
+    search(i, batch);
+    int const met = step.m.last(i).met;
+    bool const is_listed = met >= 0 && step.m.next(met).round == round;
+    if (met >= 0 && !is_listed) // it was not called up in this round, but it was next for both
+      search(met, batch);
+    batch.flush();
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void search(int i, CandidateBatch<Space, Real>& batch) const
+  {
     Real const since = step.m.last(i).since;
     auto const q = step.at(i, since);
-    step.m.next(i) = {step.arena.end, partner::none, round};
+    step.m.next(i).time = step.arena.end;
+    step.m.next(i).with = partner::none;
     auto const note = [&](int k) {
       if (k != i)
-        enter(i, k);
+        enter(i, k, batch);
     };
     step.with_ends(q, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
@@ -634,15 +720,14 @@ struct FindNewContacts {
     if (!step.misses_walls(i, since, step.arena.end))
       step.m.call_up(i, round + 1);
     if (step.lists_candidates())
-      step.list_wall(i, since);
+      step.list_wall(i, since, batch);
     if (!step.m.has_list(i)) // who was to meet it is not known; it is called up itself, too
       step.neighbours.template for_each_near_that<periodic>(
           q, step.travel + step.reach({static_cast<Real>(step.speed), 0}, step.arena.end), 0,
           [](int) { return true; }, [&](int k) { step.m.call_up(k, round + 1); });
   }
 
- private:
-  KOKKOS_INLINE_FUNCTION void enter(int i, int k) const
+  KOKKOS_INLINE_FUNCTION void enter(int i, int k, CandidateBatch<Space, Real>& batch) const
   {
     if (step.meeting(i, k) < step.arena.end) {
       step.enter_partners(i, k, round + 1);
@@ -650,7 +735,7 @@ struct FindNewContacts {
     }
     bool const found_by_both = step.m.last(i).met == k && step.m.last(k).met == i;
     if (step.lists_candidates() && !(found_by_both && i > k))
-      step.list_candidate(i, k, step.m.last(i).since);
+      step.list_candidate(i, k, step.m.last(i).since, batch);
   }
 };
 

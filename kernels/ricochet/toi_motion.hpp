@@ -43,8 +43,8 @@ struct Land {
   }
 };
 
-/// Enters in the books what it means that a disc with contacts was kept inside, and forgets its
-/// contacts.
+/// Enters in the books what it means that discs with contacts were kept inside, and forgets their
+/// contacts, a block of discs at a time.
 template <class Space, class Real, class LandType>
 struct Settle {
   ContactMemory<Space, Real> m;
@@ -53,9 +53,21 @@ struct Settle {
   double gravity;
   Scales scales;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
   {
-    int const i = m.active(place);
+    if (m.called_in_block(b) == 0)
+      return;
+    m.called_in_block(b) = 0;
+    int const n = static_cast<int>(m.called.extent(0));
+    int const begin = b * m.block, end = begin + m.block < n ? begin + m.block : n;
+    for (int i = begin; i < end; ++i)
+      if (m.called(i) != 0)
+        settle(i, happened);
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void settle(int i, Happened& happened) const
+  {
     m.reset(i);
     auto const p = land.end_of_line(i);
     auto const kept = land.inside(p);
