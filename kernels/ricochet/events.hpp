@@ -370,7 +370,7 @@ void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic> const&
   Kokkos::deep_copy(space_, memory_.counts, typename WindowMemory<Space, Real>::Counts{});
   using Due = ListDue<Space, Real, periodic>;
   Kokkos::parallel_for("ricochet::list_due",
-                       Range<Space>(space_, 0, (discs_.count() + Due::block - 1) / Due::block),
+                       Range<Space>(space_, 0, blocks_of(Due::block, discs_.count())),
                        Due{window});
   counts_ = read_counts();
   Kokkos::parallel_for("ricochet::find_meetings", Range<Space>(space_, 0, counts_.members),

@@ -31,6 +31,18 @@ ViewType uninitialised(std::string const& label, Extents... extents)
 template <class Space>
 using Range = Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>;
 
+/// How many items a work item takes in turn where that helps a host: there `size`, and one on a
+/// device, whose threads are many.
+template <class Space, int size>
+constexpr int block_on_host =
+    Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible ? size : 1;
+
+/// Number of blocks of `size` that hold `items`.
+constexpr int blocks_of(int size, int items)
+{
+  return (items + size - 1) / size;
+}
+
 /// The value in a View of rank 0, for the host, once all that is queued on `space` is done.
 template <class Space, class ViewType>
 typename ViewType::non_const_value_type value_after(Space const& space, ViewType const& view)

@@ -230,7 +230,7 @@ void TimeOfImpact<Space, Real>::sort()
   Kokkos::deep_copy(space_, memory_.counts, counts_);
   using List = ListCandidates<Space, Real, periodic>;
   Kokkos::parallel_for("ricochet::list_candidates",
-                       Range<Space>(space_, 0, (discs_.count() + List::block - 1) / List::block),
+                       Range<Space>(space_, 0, blocks_of(List::block, discs_.count())),
                        List{this_step<periodic>(), grid_.cell()});
   counts_ = value_after(space_, memory_.counts);
 }
@@ -295,9 +295,10 @@ void TimeOfImpact<Space, Real>::find_contacts()
   auto const step = this_step<periodic>();
   if (has_listed_) {
     auto const end = static_cast<float>((steps_since_sort_ + 1) * dt_ * (1 + 1e-6));
-    Kokkos::parallel_reduce("ricochet::find_among_candidates", Range<Space>(space_, 0, counts.candidates),
-                            FindAmongCandidates<Space, Real, periodic>{step, end},
-                            Merge<Happened, Space>(happened_));
+    using Find = FindAmongCandidates<Space, Real, periodic>;
+    Kokkos::parallel_reduce("ricochet::find_among_candidates",
+                            Range<Space>(space_, 0, blocks_of(Find::block, counts.candidates)),
+                            Find{step, counts.candidates, end}, Merge<Happened, Space>(happened_));
     enter_happened();
     return;
   }

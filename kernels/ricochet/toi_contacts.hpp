@@ -99,7 +99,7 @@ struct ContactMemory {
   explicit ContactMemory(int n)
     : of_disc("ricochet::disc_contacts", n),
       called("ricochet::called_for_round", n),
-      called_in_block("ricochet::called_in_block", (n + block - 1) / block),
+      called_in_block("ricochet::called_in_block", blocks_of(block, n)),
       list(uninitialised<Ints>("ricochet::called_up", n)),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", n)),
       due(uninitialised<decltype(due)>("ricochet::candidate_due", n)),
@@ -382,10 +382,10 @@ struct MayMeet {
   static constexpr Real margin = 64 * std::numeric_limits<Real>::epsilon();
 };
 
-/// Enters two discs in each other's lists, at the start of the step, if they meet in it. Their
-/// overlap is entered in the books.
+/// Enters two discs in each other's lists, at the start of the step, if they meet in it, and says
+/// whether they do. Their overlap is entered in the books.
 template <class Space, class Real, bool periodic>
-KOKKOS_FUNCTION void begin_with(ToiStep<Space, Real, periodic> const& step, int i, int k,
+KOKKOS_FUNCTION bool begin_with(ToiStep<Space, Real, periodic> const& step, int i, int k,
                                 Books& books)
 {
   auto const& arena = step.arena;
@@ -396,8 +396,10 @@ KOKKOS_FUNCTION void begin_with(ToiStep<Space, Real, periodic> const& step, int 
     double const depth = overlap(static_cast<Real>(sqrt(distance2)), step.diameter);
     books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
   }
-  if (arena.time_to_touch(d, w, false, arena.end) < arena.end) // as in meeting()
+  bool const meet = arena.time_to_touch(d, w, false, arena.end) < arena.end; // as in meeting()
+  if (meet)
     step.enter_partners(i, k, 1);
+  return meet;
 }
 
 /// Calls visit(k) for discs k that may meet disc i up to ToiStep::until, or overlap it, so that
@@ -422,8 +424,7 @@ KOKKOS_INLINE_FUNCTION void for_each_that_may_meet(ToiStep<Space, Real, periodic
 /// of discs at a time.
 template <class Space, class Real, bool periodic>
 struct ListCandidates {
-  static constexpr int block =
-      Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible ? 32 : 1;
+  static constexpr int block = block_on_host<Space, 32>;
 
   ToiStep<Space, Real, periodic> step;
   typename CellGrid<Space, Real>::Ints cell;
@@ -442,29 +443,40 @@ struct ListCandidates {
   }
 };
 
-/// Finds who of the candidates meets in the step. Those that will not meet any more on their lines
-/// are not looked at again.
+/// Finds who of the candidates meets in the step, a block of them at a time. Those that will not
+/// meet any more on their lines, or meet now, are not looked at again: new lines, new candidates.
 template <class Space, class Real, bool periodic>
 struct FindAmongCandidates {
+  static constexpr int block = block_on_host<Space, 64>;
+
   ToiStep<Space, Real, periodic> step;
+  int candidates;
   float end; ///< of the step, counted from when discs were sorted; not rounded down
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
   {
-    if (step.m.due(place) > end)
-      return;
-    constexpr float never = std::numeric_limits<float>::infinity();
-    int const i = step.m.candidate(place, 0), k = step.m.candidate(place, 1);
-    if (k == partner::none) {
-      if (!step.misses_walls(i, 0, step.arena.end))
-        step.m.call_up(i, 1);
-      else if (step.misses_walls(i, 0, step.until))
-        step.m.due(place) = never;
-    } else {
-      begin_with(step, i, k, happened.books);
-      if (!(step.not_before(i, k, 0) < step.until))
-        step.m.due(place) = never;
+    int const first = b * block, last = first + block < candidates ? first + block : candidates;
+    // First who is due, without a branch, so that looking at one of them can begin before the one
+    // before is done: it is waiting for memory that takes the time.
+    int due[block];
+    int size = 0;
+    for (int place = first; place < last; ++place) {
+      due[size] = place;
+      size += step.m.due(place) <= end ? 1 : 0;
     }
+    for (int k = 0; k < size; ++k)
+      if (is_done_with(step.m.candidate(due[k], 0), step.m.candidate(due[k], 1), happened))
+        step.m.due(due[k]) = std::numeric_limits<float>::infinity();
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION bool is_done_with(int i, int k, Happened& happened) const
+  {
+    if (k != partner::none)
+      return begin_with(step, i, k, happened.books) || !(step.not_before(i, k, 0) < step.until);
+    if (!step.misses_walls(i, 0, step.arena.end))
+      step.m.call_up(i, 1);
+    return step.misses_walls(i, 0, step.until);
   }
 };
 
