@@ -1,6 +1,7 @@
 // Initial states for measurements: the same numbers on every machine.
 #pragma once
 
+#include <ricochet/engine.hpp>
 #include <ricochet/model.hpp>
 
 #include <cmath>
@@ -65,6 +66,33 @@ inline Gas elastic_gas(int count, double packing)
 {
   Gas result = gas(count, packing, Contact{Law::swap_scale, 1, 1}, 0);
   result.model.box.x = result.model.box.y = Boundary::periodic;
+  return result;
+}
+
+/// Collisions of a disc per time in an elastic gas at packing fraction `packing`: Enskog's rate
+/// with the contact value of Henderson 1975 (doi 10.1080/00268977500102511),
+///   8 packing / (sqrt(pi) diameter) contact_value thermal_speed.
+inline double collision_rate(Gas const& gas, double packing)
+{
+  constexpr double pi = 3.14159265358979323846;
+  double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
+  return 8 / std::sqrt(pi) * packing * contact_value * gas.thermal_speed / (2 * gas.model.radius);
+}
+
+/// A gas between walls whose lattice some collisions of each disc have melted; then it has the
+/// contact rule and the gravity asked for.
+inline Gas melted_gas(int count, double packing, Contact const& contact, double gravity)
+{
+  Gas result = gas(count, packing, Contact{Law::swap_scale, 1, 1}, 0);
+  constexpr double collisions = 5;
+  Method method;
+  method.engine = EngineKind::events; // no other leaves discs that no engine finds to overlap
+  method.dt = collisions / collision_rate(result, packing);
+  auto const simulation = make_engine(result.model, method, result.discs);
+  simulation->advance(1);
+  simulation->states(result.discs.data());
+  result.model.contact = contact;
+  result.model.gravity = gravity;
   return result;
 }
 
