@@ -98,6 +98,60 @@ KOKKOS_INLINE_FUNCTION Real time_to_meet(Vec2<Real> d, Vec2<Real> w, Real distan
   return c / (sqrt(discriminant) - b);
 }
 
+/// Whether a disc is closer to another one, at `p` with velocity `w`, than a distance, or may come
+/// that close within a time: a test of many slots at once, which passes some that do not but none
+/// that do.
+///
+/// With b = d.w and c = d^2 - distance^2 no root of c + 2 b t + w^2 t^2 is earlier than c/(-2b);
+/// see time_to_meet(). So c <= -2 b t for those that come close within t; for those that separate
+/// the right hand side is negative, and 0 in its place. One comparison, for compilers turn several
+/// into branches.
+template <class Real, class DomainType, bool at_start>
+class MayMeet {
+ public:
+  /// Discs by slot are at (x, y) with velocities (vx, vy) at time 0; the test is for those who come
+  /// closer than the root of `distance2` between `since`, which is 0 if at_start, and `since +
+  /// time`. All pass if `any_image`: images other than the nearest may come closer.
+  KOKKOS_INLINE_FUNCTION MayMeet(Real const* x, Real const* y, Real const* vx, Real const* vy,
+                                 DomainType const& domain, Vec2<Real> p, Vec2<Real> w, Real since,
+                                 Real distance2, Real time, bool any_image)
+    : x_(x),
+      y_(y),
+      vx_(vx),
+      vy_(vy),
+      domain_(domain),
+      p_(p),
+      w_(w),
+      since_(since),
+      distance2_(distance2),
+      factor_(-2 * (1 + margin) * time),
+      least_(any_image ? std::numeric_limits<Real>::infinity() : Real(0))
+  {
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION bool operator()(int k) const
+  {
+    Vec2<Real> const relative{vx_[k] - w_.x, vy_[k] - w_.y};
+    Vec2<Real> d{x_[k] - p_.x, y_[k] - p_.y};
+    if constexpr (!at_start) // there nothing has moved
+      d = d + since_ * relative;
+    if constexpr (DomainType::wraps)
+      d = domain_.separation({0, 0}, d);
+    Real const right = dot(d, relative) * factor_;
+    return dot(d, d) - distance2_ <= (right > least_ ? right : least_);
+  }
+
+ private:
+  static constexpr Real margin = 64 * std::numeric_limits<Real>::epsilon();
+
+  Real const *x_, *y_, *vx_, *vy_;
+  DomainType domain_;
+  Vec2<Real> p_, w_;
+  Real since_, distance2_;
+  Real factor_; ///< -2 time, and a margin for rounding
+  Real least_;  ///< of the right hand side
+};
+
 /// The box, the force and the sizes: all that decides when a flight ends.
 template <class Real, bool periodic>
 struct Arena {
@@ -171,6 +225,20 @@ struct Arena {
   KOKKOS_INLINE_FUNCTION bool is_inner(Vec2<Real> home) const
   {
     return fabs(home.x) < inner_x && fabs(home.y) < inner_y;
+  }
+
+  /// Calls use(domain) with the domain in which a disc at `p` can be compared with its neighbours:
+  /// the plane, without images, unless it is near an end of a periodic box.
+  template <class Use>
+  KOKKOS_INLINE_FUNCTION void with_ends(Vec2<Real> p, Use const& use) const
+  {
+    if constexpr (periodic) {
+      if (!is_inner(p)) {
+        use(domain);
+        return;
+      }
+    }
+    use(Domain<Real, false>());
   }
 
   /// When two discs on these flights touch, if not clearly later than `limit`. `inner`: whether one

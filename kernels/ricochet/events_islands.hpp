@@ -275,7 +275,7 @@ struct Window {
 
 /// Begins an interval: every disc starts a flight and predicts how it ends. Each pair is looked at
 /// once, by the disc that comes first; one prediction of a meeting is enough. Reports the least
-/// distance of two discs, squared.
+/// distance of two discs, squared, among those that overlap or may meet.
 template <class Space, class Real, bool periodic>
 struct TakeOff {
   Window<Space, Real, periodic> w;
@@ -286,12 +286,23 @@ struct TakeOff {
     Flight<Real> const flight{p, v, Real(0), 0, partner::none, partner::none};
     auto first = w.alone(i, flight);
     Real least = closest2;
-    auto const consider = [&](int j, Vec2<Real> d) {
+    Real const reach2 = w.reach * w.reach;
+    auto const consider = [&](int j) {
+      auto const d = w.arena.domain.separation(p, w.discs.position(j));
       Real const distance2 = dot(d, d);
       least = distance2 < least ? distance2 : least;
-      w.consider(w.arena.time_to_touch(d, w.discs.velocity(j) - v, false, first.due), j, 0, first);
+      if (distance2 < reach2)
+        w.consider(w.arena.time_to_touch(d, w.discs.velocity(j) - v, false, first.due), j, 0,
+                   first);
     };
-    w.neighbours.for_each_within(p, w.reach, consider, i + 1);
+    w.arena.with_ends(p, [&](auto const& ends) {
+      using Ends = std::decay_t<decltype(ends)>;
+      MayMeet<Real, Ends, true> const may_meet(
+          w.discs.x.data(), w.discs.y.data(), w.discs.vx.data(), w.discs.vy.data(), ends, p, v, 0,
+          w.arena.diameter2, first.due, w.arena.images_x + w.arena.images_y > 0);
+      w.neighbours.template for_each_near_that<Ends::wraps>(p, static_cast<double>(w.reach), i + 1,
+                                                            may_meet, consider);
+    });
     closest2 = least;
     w.lists.count(i) = w.lists.unknown;
     w.m.flights(i) = flight;

@@ -310,18 +310,22 @@ struct ToiStep {
     m.call_up(j, round);
   }
 
-  /// Calls use(domain) with the domain in which a disc at `p` can be compared with its neighbours:
-  /// the plane, without images, unless it is near an end of a periodic box.
-  template <class Use>
-  KOKKOS_INLINE_FUNCTION void with_ends(Vec2<Real> p, Use const& use) const
+  /// A test for the discs that may meet disc i on the line that it has from `since` on.
+  template <bool at_start, class Ends>
+  KOKKOS_INLINE_FUNCTION MayMeet<Real, Ends, at_start> may_meet(Ends const& ends, int i,
+                                                                Real since) const
   {
-    if constexpr (periodic) {
-      if (!arena.is_inner(p)) {
-        use(arena.domain);
-        return;
-      }
-    }
-    use(Domain<Real, false>());
+    return {discs.x.data(),
+            discs.y.data(),
+            discs.vx.data(),
+            discs.vy.data(),
+            ends,
+            discs.position(i),
+            discs.velocity(i),
+            since,
+            safe_distance2,
+            until - since,
+            any_image};
   }
 
   /// Distance within which all were sorted that a disc can meet in `time`.
@@ -330,56 +334,6 @@ struct ToiStep {
     auto const v = as<double>(velocity);
     return static_cast<double>(diameter) + sqrt(dot(v, v)) * static_cast<double>(time) + travel;
   }
-};
-
-/// Whether a disc overlaps disc i at time `since` or may meet it later, up to ToiStep::until, on
-/// the line that it has from then on: a test of many slots at once, which passes some that do not
-/// meet it but none that do.
-///
-/// With b = d.w and c = d^2 - distance^2 no root of c + 2 b t + w^2 t^2 is earlier than c/(-2b);
-/// see time_to_meet(). So c <= -2 b (until - since) for those that meet; for those that separate
-/// the right hand side is negative, and 0 in its place. One comparison, for compilers turn several
-/// into branches.
-template <class Space, class Real, bool across_ends, bool at_start>
-struct MayMeet {
-  Real const *x, *y, *vx, *vy;
-  Domain<Real, across_ends> domain;
-  Vec2<Real> p, w;
-  Real since, distance2;
-  Real factor; ///< -2 (until - since), and a margin for rounding
-  Real least;  ///< of the right hand side
-
-  template <bool periodic>
-  KOKKOS_INLINE_FUNCTION MayMeet(ToiStep<Space, Real, periodic> const& step,
-                                 Domain<Real, across_ends> const& ends, int i, Real from)
-    : x(step.discs.x.data()),
-      y(step.discs.y.data()),
-      vx(step.discs.vx.data()),
-      vy(step.discs.vy.data()),
-      domain(ends),
-      p(step.discs.position(i)),
-      w(step.discs.velocity(i)),
-      since(from),
-      distance2(step.safe_distance2),
-      factor(-2 * (1 + margin) * (step.until - from)),
-      least(step.any_image ? std::numeric_limits<Real>::infinity() : Real(0))
-  {
-  }
-
-  KOKKOS_FORCEINLINE_FUNCTION bool operator()(int k) const
-  {
-    Vec2<Real> const relative{vx[k] - w.x, vy[k] - w.y};
-    Vec2<Real> d{x[k] - p.x, y[k] - p.y};
-    if constexpr (!at_start) // there nothing has moved
-      d = d + since * relative;
-    if constexpr (across_ends)
-      d = domain.separation({0, 0}, d);
-    Real const right = dot(d, relative) * factor;
-    return dot(d, d) - distance2 <= (right > least ? right : least);
-  }
-
- private:
-  static constexpr Real margin = 64 * std::numeric_limits<Real>::epsilon();
 };
 
 /// Enters two discs in each other's lists, at the start of the step, if they meet in it, and says
@@ -409,9 +363,9 @@ KOKKOS_INLINE_FUNCTION void for_each_that_may_meet(ToiStep<Space, Real, periodic
                                                    int cell, int i, Visit const& visit)
 {
   auto const p = step.discs.position(i);
-  step.with_ends(p, [&](auto const& ends) {
+  step.arena.with_ends(p, [&](auto const& ends) {
     constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
-    MayMeet<Space, Real, across_ends, true> const may_meet(step, ends, i, 0);
+    auto const may_meet = step.template may_meet<true>(ends, i, 0);
     if constexpr (near)
       step.neighbours.template for_each_ahead_that<across_ends>(cell, i, may_meet, visit);
     else
@@ -720,9 +674,9 @@ struct FindNewContacts {
       if (k != i)
         enter(i, k, batch);
     };
-    step.with_ends(q, [&](auto const& ends) {
+    step.arena.with_ends(q, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
-      MayMeet<Space, Real, across_ends, false> const may_meet(step, ends, i, since);
+      auto const may_meet = step.template may_meet<false>(ends, i, since);
       if (step.is_near)
         step.neighbours.template for_each_around_that<across_ends>(cell(i), may_meet, note);
       else
