@@ -2,7 +2,8 @@
 // the correctness of `toi`, the price of each term, and the bytes that the kernels move beside the
 // bandwidth of the memory.
 //
-//   study_speed [ROUNDS]     5 rounds; what is compared takes turns in each
+//   study_speed [ROUNDS [PART]]   5 rounds, in which what is compared takes turns;
+//                                 PART: speeds, correctness, terms or bounds, or all of them
 
 #include "scenes.hpp"
 
@@ -323,22 +324,30 @@ void print_bounds(int discs, double packing, Placement placement)
   std::fflush(stdout);
 }
 
-void run()
+void run(std::string const& part)
 {
-  std::puts("| engine | q | discs | packing | contacts a disc and step | one thread, best | median "
-            "| all threads, best | median | gain |\n|---|---|---|---|---|---|---|---|---|---|");
-  print_speeds(100000);
-  print_speeds(1000000);
-  std::puts("\n| packing | collisions | `toi` | Z | `toi` |\n|---|---|---|---|---|");
-  print_correctness(100000);
-  std::puts("\n| terms, ns for a step of a disc | `sweep` | `toi` |\n|---|---|---|");
-  print_prices(100000, 0.2);
-  for (double const packing : packings) {
-    print_bounds<Kokkos::DefaultHostExecutionSpace>(1000000, packing, Placement::parallel);
-#if defined(KOKKOS_ENABLE_SERIAL)
-    print_bounds<Kokkos::Serial>(1000000, packing, Placement::serial);
-#endif
+  auto const wants = [&](char const* name) { return part.empty() || part == name; };
+  if (wants("speeds")) {
+    std::puts("| engine | q | discs | packing | contacts a disc and step | one thread, best | median "
+              "| all threads, best | median | gain |\n|---|---|---|---|---|---|---|---|---|---|");
+    for (int const discs : {10000, 100000, 1000000})
+      print_speeds(discs);
   }
+  if (wants("correctness")) {
+    std::puts("\n| packing | collisions | `toi` | Z | `toi` |\n|---|---|---|---|---|");
+    print_correctness(100000);
+  }
+  if (wants("terms")) {
+    std::puts("\n| terms | `sweep` | `toi` |\n|---|---|---|");
+    print_prices(100000, 0.2);
+  }
+  if (wants("bounds"))
+    for (double const packing : packings) {
+      print_bounds<Kokkos::DefaultHostExecutionSpace>(1000000, packing, Placement::parallel);
+#if defined(KOKKOS_ENABLE_SERIAL)
+      print_bounds<Kokkos::Serial>(1000000, packing, Placement::serial);
+#endif
+    }
 }
 
 } // namespace
@@ -349,7 +358,7 @@ int main(int argc, char** argv)
   if (argc > 1)
     rounds = std::max(1, std::atoi(argv[1]));
   try {
-    run();
+    run(argc > 2 ? argv[2] : "");
   } catch (std::exception const& problem) {
     std::fprintf(stderr, "study_speed: %s\n", problem.what());
     return 1;

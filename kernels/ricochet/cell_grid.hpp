@@ -118,6 +118,14 @@ struct Cells {
   KOKKOS_INLINE_FUNCTION int row(int cell) const { return (cell - 1) / stride() - 1; }
   KOKKOS_INLINE_FUNCTION int column(int cell) const { return (cell - 1) % stride(); }
 
+  /// Whether a cell is at least `margin` cells from every end across which the box is periodic.
+  KOKKOS_INLINE_FUNCTION bool is_inner(int cell, int margin) const
+  {
+    int const c = column(cell), r = row(cell);
+    return (!x.periodic || (c >= margin && c < x.count - margin)) &&
+           (!y.periodic || (r >= margin && r < y.count - margin));
+  }
+
   /// Shortest side of a cell [length].
   KOKKOS_INLINE_FUNCTION double side() const
   {

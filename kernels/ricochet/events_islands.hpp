@@ -195,12 +195,23 @@ struct Window {
   KOKKOS_FUNCTION void write_list(int i) const
   {
     int count = 0;
-    neighbours.for_each_within(discs.position(i), reach, [&](int j, Vec2<Real>) {
+    auto const note = [&](int j) {
       if (j == i)
         return;
       if (count < lists.longest)
         lists.slot(i, count) = j;
       ++count;
+    };
+    auto const p = discs.position(i);
+    Real const *const x = discs.x.data(), *const y = discs.y.data(), reach2 = reach * reach;
+    arena.with_ends(p, [&](auto const& ends) {
+      auto const domain = ends;
+      auto const is_near = [=](int j) {
+        auto const d = domain.separation(p, {x[j], y[j]});
+        return dot(d, d) < reach2;
+      };
+      neighbours.template for_each_near_that<std::decay_t<decltype(ends)>::wraps>(
+          p, static_cast<double>(reach), 0, is_near, note);
     });
     lists.count(i) = count;
   }

@@ -36,8 +36,11 @@ class Neighbours {
   KOKKOS_INLINE_FUNCTION void for_each_around(int cell, Vec2<Real> p, Real reach2, int above,
                                               Visit const& visit) const
   {
-    cells_.template for_runs_around<periodic>(
-        cell, [&](Runs const& runs) { for_each_in<3, true>(runs, p, reach2, above, visit); });
+    with_ends(cell, [&](auto const& ends) {
+      cells_.template for_runs_around<std::decay_t<decltype(ends)>::wraps>(
+          cell,
+          [&](Runs const& runs) { for_each_in<3, true>(ends, runs, p, reach2, above, visit); });
+    });
   }
 
   /// The same for pairs: over all slots it visits every two discs that are stored in the same cell
@@ -47,8 +50,11 @@ class Neighbours {
                                              Visit const& visit) const
   {
     auto const p = discs_.position(slot);
-    cells_.template for_runs_ahead<periodic>(
-        cell, slot, [&](Runs const& runs) { for_each_in<2, false>(runs, p, reach2, 0, visit); });
+    with_ends(cell, [&](auto const& ends) {
+      cells_.template for_runs_ahead<std::decay_t<decltype(ends)>::wraps>(
+          cell, slot,
+          [&](Runs const& runs) { for_each_in<2, false>(ends, runs, p, reach2, 0, visit); });
+    });
   }
 
   /// The same by any test of slots: visit(k) for every such pair (slot, k) that passes test(k),
@@ -80,7 +86,7 @@ class Neighbours {
   {
     Real const reach2 = reach * reach;
     for_runs_near<periodic>(p, static_cast<double>(reach), from, [&](Runs const& runs) {
-      for_each_in<3, false>(runs, p, reach2, 0, visit);
+      for_each_in<3, false>(domain_, runs, p, reach2, 0, visit);
     });
   }
 
@@ -96,6 +102,21 @@ class Neighbours {
   }
 
  private:
+  /// Calls use(domain) with the domain in which discs stored in or next to `cell` are compared: the
+  /// plane, without images, unless it is near an end of a periodic box. Two cells from it, discs are
+  /// on this side even if they have moved by the width of a cell since they were stored.
+  template <class Use>
+  KOKKOS_INLINE_FUNCTION void with_ends(int cell, Use const& use) const
+  {
+    if constexpr (periodic) {
+      if (!cells_.is_inner(cell, 2)) {
+        use(domain_);
+        return;
+      }
+    }
+    use(Domain<Real, false>());
+  }
+
   /// Calls visit(runs) so that together the runs are the slots from `from` on of all cells with a
   /// point closer than `reach` to `p`.
   template <bool across_ends, class Visit>
@@ -121,14 +142,14 @@ class Neighbours {
   }
 
   /// Visits those of the first `rows` runs, 2 or 3, that are near `p`.
-  template <int rows, bool by_id, class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_in(Runs const& runs, Vec2<Real> p, Real reach2, int above,
-                                          Visit const& visit) const
+  template <int rows, bool by_id, class Ends, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_in(Ends const& ends, Runs const& runs, Vec2<Real> p,
+                                          Real reach2, int above, Visit const& visit) const
   {
     Real const* const x = discs_.x.data();
     Real const* const y = discs_.y.data();
     int const* const id = discs_.id.data();
-    auto const domain = domain_;
+    auto const domain = ends;
     auto const near = [=](int k) {
       auto const d = domain.separation(p, {x[k], y[k]});
       bool const close = dot(d, d) < reach2;
