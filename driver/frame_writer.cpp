@@ -3,7 +3,6 @@
 #include "kokkos_startup.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 namespace ricochet::driver {
 
@@ -11,6 +10,7 @@ namespace {
 
 constexpr std::size_t queue_bytes = 64 << 20;
 constexpr std::chrono::seconds longest_wait{1};
+constexpr std::chrono::milliseconds flush_interval{100}; // a flush takes a fair part of a write
 
 // How many frames fit in the memory of the queue, beside those of the block being collected.
 std::size_t queue_length(std::size_t discs)
@@ -89,7 +89,7 @@ void FrameWriter::flush()
   std::unique_lock lock(mutex_);
   in_haste_ = true;
   changed_.notify_all();
-  changed_.wait(lock, [&] { return error_ || (queue_.empty() && !is_writing_); });
+  changed_.wait(lock, [&] { return error_ || (queue_.empty() && is_flushed_); });
   in_haste_ = false;
   if (error_)
     std::rethrow_exception(error_);
@@ -110,10 +110,14 @@ void FrameWriter::work()
     while (!closed_ || !queue_.empty()) {
       std::size_t const room = room_in_block();
       changed_.wait_for(lock, longest_wait, [&] {
-        return closed_ || queue_.size() >= room || (in_haste_ && !queue_.empty());
+        return closed_ || queue_.size() >= room || (in_haste_ && !(queue_.empty() && is_flushed_));
       });
       write(std::min(room, queue_.size()), lock);
+      bool const is_awaited = in_haste_ && queue_.empty();
+      if (is_awaited || Clock::now() - last_flush_ >= flush_interval)
+        flush_file(lock);
     }
+    flush_file(lock);
   } catch (...) {
     if (!lock.owns_lock())
       lock.lock();
@@ -131,16 +135,30 @@ std::size_t FrameWriter::room_in_block() const
 // Writes `count` frames of the queue without holding up the simulation, then frees them.
 void FrameWriter::write(std::size_t count, std::unique_lock<std::mutex>& lock)
 {
+  if (count == 0)
+    return;
   Frames block;
   for (; block.size() < count; queue_.pop_front())
     block.push_back(std::move(queue_.front()));
-  is_writing_ = true;
+  is_flushed_ = false;
   lock.unlock();
   file_.append(block);
   lock.lock();
-  is_writing_ = false;
   for (auto& frame : block)
     free_.push_back(std::move(frame));
+  changed_.notify_all();
+}
+
+// Flushes what was written, without holding up the simulation either.
+void FrameWriter::flush_file(std::unique_lock<std::mutex>& lock)
+{
+  if (is_flushed_)
+    return;
+  lock.unlock();
+  file_.flush();
+  lock.lock();
+  is_flushed_ = true;
+  last_flush_ = Clock::now();
   changed_.notify_all();
 }
 

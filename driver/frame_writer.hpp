@@ -3,6 +3,7 @@
 
 #include "trajectory_file.hpp"
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -17,8 +18,8 @@ namespace ricochet::driver {
 /// wait until they fill a chunk.
 double frames_memory(TrajectoryHeader const& header, bool queue_is_full);
 
-/// Takes frames, in order, into a queue of bounded memory and appends them to a file. Frames reach
-/// the file within about a second, or sooner when a chunk is full.
+/// Takes frames, in order, into a queue of bounded memory and appends them to a file. Frames are
+/// flushed within about a second, ten times a second at most.
 class FrameWriter {
  public:
   explicit FrameWriter(TrajectoryFile& file, std::int64_t discs);
@@ -40,10 +41,12 @@ class FrameWriter {
 
  private:
   using Frames = std::vector<std::unique_ptr<Frame>>;
+  using Clock = std::chrono::steady_clock;
 
   void work();
   std::size_t room_in_block() const;
   void write(std::size_t count, std::unique_lock<std::mutex>& lock);
+  void flush_file(std::unique_lock<std::mutex>& lock);
   void stop();
 
   TrajectoryFile& file_;
@@ -54,8 +57,9 @@ class FrameWriter {
   std::condition_variable changed_;
   Frames free_;
   std::deque<std::unique_ptr<Frame>> queue_;
-  bool in_haste_ = false; ///< someone waits for the queue to be empty
-  bool is_writing_ = false;
+  bool in_haste_ = false;  ///< someone waits for the queue to be empty
+  bool is_flushed_ = true; ///< whatever was taken from the queue
+  Clock::time_point last_flush_ = Clock::now();
   bool closed_ = false;
   std::exception_ptr error_;
   std::thread thread_; ///< last, so that all else is there when it starts

@@ -29,6 +29,8 @@ constexpr char const* step_path = "/particles/trajectory/position/step";
 constexpr hsize_t most_discs_per_chunk = 131072; // 3 MiB of doubles
 constexpr hsize_t block_bytes = 1 << 19;         // of one field, for few discs
 constexpr hsize_t series_chunk = 1024;           // numbers, for what has few a frame
+constexpr int numbers_per_frame = 17;            // beside the vectors: observables, step, time
+constexpr int numbers_of_edges = 9;              // more, in a periodic box
 
 // Discs in a chunk: all, or an even share of them.
 hsize_t even_chunk(hsize_t discs)
@@ -129,7 +131,6 @@ double forecast_bytes(TrajectoryHeader const& header)
   constexpr double deflated = 0.69;  // of vectors whose z is 0 and whose digits are random
   constexpr double metadata = 60e3;  // groups, texts, and the index of a few chunks
   constexpr double chunk_entry = 90; // in the index
-  constexpr double series = 17;      // numbers a frame beside the vectors: observables, step, time
   ChunkSizes const chunk = chunk_sizes(header);
   auto const whole = [](double count, double size) { return std::ceil(count / size) * size; };
   auto const frames = static_cast<double>(header.frames), discs = static_cast<double>(header.discs);
@@ -140,8 +141,8 @@ double forecast_bytes(TrajectoryHeader const& header)
   double const number = header.float32 ? sizeof(float) : sizeof(double);
   double const in_series = std::min(frames, static_cast<double>(series_chunk));
   return vectors * 3 * number * (header.deflate ? deflated : 1) + chunks * chunk_entry +
-         discs * sizeof(std::int64_t) + series * whole(frames, in_series) * sizeof(double) +
-         metadata;
+         discs * sizeof(std::int64_t) +
+         numbers_per_frame * whole(frames, in_series) * sizeof(double) + metadata;
 }
 
 TrajectoryFile::TrajectoryFile(TrajectoryHeader const& header)
@@ -436,10 +437,31 @@ void TrajectoryFile::append(std::vector<std::unique_ptr<Frame>> const& frames)
   std::uint64_t const chunks = (discs_ + discs_per_chunk_ - 1) / discs_per_chunk_;
   std::uint64_t const numbers = static_cast<std::uint64_t>(frames_per_block_) * chunks *
                                 discs_per_chunk_ * 3 * (header_.velocity ? 2 : 1);
+  std::uint64_t const vectors = numbers * (header_.float32 ? sizeof(float) : sizeof(double));
   guarded([&] {
-    reserve(numbers * (header_.float32 ? sizeof(float) : sizeof(double)));
+    in_memory_ +=
+        frames.size() * sizeof(double) * (numbers_per_frame + (edges_ >= 0 ? numbers_of_edges : 0));
+    try {
+      reserve(vectors + in_memory_);
+    } catch (std::system_error const&) {
+      flush_file(); // into the room that was made before
+      throw;
+    }
     write_frames(frames);
+    if (header_.deflate) // for compressed chunks wait in memory, too
+      flush_file();
   });
+}
+
+void TrajectoryFile::flush()
+{
+  guarded([&] { flush_file(); });
+}
+
+void TrajectoryFile::flush_file()
+{
+  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  in_memory_ = 0;
 }
 
 void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& frames)
@@ -469,12 +491,11 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
   // `step` says how many frames there are, so it is the last to know of more.
   write_series<std::int64_t>(step_, frames, 0,
                              [](Report const& report, hsize_t) { return report.steps; });
-  hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
   frames_ += static_cast<std::int64_t>(frames.size());
 }
 
-// Writes the vectors (x, y, 0) of all discs, as many at a time as stay in the processor's cache
-// until they are written; a compressed chunk is written as a whole.
+// Writes the vectors (x, y, 0) of all discs, a chunk at a time: file systems on disks take few
+// large pieces at a lower cost than many small ones.
 template <class Real>
 void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
                                    double DiscState::*x, double DiscState::*y,
@@ -482,10 +503,8 @@ void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Fr
 {
   auto const start = static_cast<hsize_t>(frames_);
   set_frames(dataset, start + frames.size());
-  hsize_t const most =
-      header_.deflate ? discs_per_chunk_ : block_bytes / (frames.size() * 3 * sizeof(Real));
-  for (hsize_t first = 0; first < discs_; first += most) {
-    hsize_t const count = std::min(most, discs_ - first);
+  for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
+    hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
     buffer.resize(frames.size() * count * 3);
     Real* out = buffer.data();
     for (auto const& frame : frames)

@@ -51,7 +51,7 @@ struct Frame {
 };
 
 /// A trajectory that is being written. The functions throw Failure; after that nothing but the
-/// destructor may be called, which leaves the file as the last good append() left it.
+/// destructor may be called, which leaves the file as the last good flush left it.
 class TrajectoryFile {
  public:
   explicit TrajectoryFile(TrajectoryHeader const& header);
@@ -60,11 +60,14 @@ class TrajectoryFile {
   /// Frames that share a chunk of the file: handing over so many at a time is cheapest.
   std::int64_t frames_per_block() const { return frames_per_block_; }
 
-  /// Frames written so far.
+  /// Frames appended so far.
   std::int64_t frames() const { return frames_; }
 
-  /// Appends `frames` and has them flushed.
+  /// Appends `frames`. Where there is no room for them, those before are flushed.
   void append(std::vector<std::unique_ptr<Frame>> const& frames);
+
+  /// Makes all appended frames part of the file, whatever happens to the program from now on.
+  void flush();
 
   /// Has all appended frames written to the disk.
   void sync();
@@ -113,6 +116,7 @@ class TrajectoryFile {
                     hsize_t columns, Get const& get);
   void write_edges(std::vector<std::unique_ptr<Frame>> const& frames);
   void reserve(std::uint64_t bytes);
+  void flush_file();
   void abandon();
 
   TrajectoryHeader header_;
@@ -120,6 +124,7 @@ class TrajectoryFile {
   hsize_t discs_per_chunk_;
   std::int64_t frames_per_block_;
   std::int64_t frames_ = 0;
+  std::uint64_t in_memory_ = 0; ///< bytes of appended frames that may not have a place in the file
   DiskSpace space_;
   hdf5::File file_;
   hdf5::Dataset step_, time_, position_, velocity_, edges_;

@@ -130,7 +130,7 @@ std::int64_t frames_on_disk(Folder const& folder)
   return TrajectoryReader(folder / "copy.h5md").frames();
 }
 
-TEST(Trajectory, EveryAppendedFrameIsInTheFile)
+TEST(Trajectory, EveryFlushedFrameIsInTheFile)
 {
   Folder const folder;
   TrajectoryFile file(header_for(folder / "t.h5md", {100, 100, false, false, true}));
@@ -141,6 +141,8 @@ TEST(Trajectory, EveryAppendedFrameIsInTheFile)
   for (std::int64_t index = 0; index < 5; ++index) {
     fill(*frames[0], index);
     file.append(frames);
+    EXPECT_EQ(frames_on_disk(folder), index);
+    file.flush();
     EXPECT_EQ(frames_on_disk(folder), index + 1);
   }
 }
