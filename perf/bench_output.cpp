@@ -1,5 +1,5 @@
-// What a trajectory costs: how fast frames reach a file beside plain writing of as many bytes, and
-// what writing takes from the steps.
+// What a trajectory costs: how fast frames reach a file beside plain writing of as many bytes, what
+// the thread that writes them takes, and what writing takes from the steps.
 //
 // Times are the best of several rounds in which the things compared take turns, since machines are
 // shared.
@@ -143,6 +143,33 @@ void compare_bandwidth(std::string const& folder, int discs)
   ::unlink(plain.c_str());
 }
 
+// What a frame costs the thread that writes it: processor time, in which others take no part.
+void time_writing(std::string const& folder, int discs)
+{
+  perf::Gas const gas = perf::gas(discs, 0.2, {}, 9.81);
+  std::string const path = folder + "/bench_output.h5md";
+  constexpr int blocks = 50;
+  std::vector<double> appends, flushes;
+  TrajectoryFile file(header_for(gas, path, 10000));
+  std::vector<std::unique_ptr<Frame>> block(static_cast<std::size_t>(file.frames_per_block()));
+  for (int k = 0; k < blocks; ++k) {
+    for (auto& frame : block) {
+      frame = std::make_unique<Frame>();
+      frame->states = gas.discs;
+    }
+    appends.push_back(seconds([&] { file.append(block); }).processor);
+    flushes.push_back(seconds([&] { file.flush(); }).processor);
+  }
+  file.close();
+  ::unlink(path.c_str());
+  auto const median = [](std::vector<double>& times) {
+    std::sort(times.begin(), times.end());
+    return 1e3 * times[times.size() / 2];
+  };
+  std::printf("| %d | %s | %zu | %.2f | %.2f |\n", discs, folder.c_str(), block.size(),
+              median(appends), median(flushes));
+}
+
 // What frames cost the steps, once the file is there. The steps of a round end when its frames are
 // written.
 void compare_stepping(std::string const& folder, EngineKind kind, double q, std::int64_t stride)
@@ -207,6 +234,11 @@ int main(int argc, char** argv)
     for (std::string const& folder : folders)
       for (int const discs : {2000, 100000})
         compare_bandwidth(folder, discs);
+    std::printf("\n| discs | folder | frames in a chunk | writing them, ms | a flush, ms |\n"
+                "|---|---|---|---|---|\n");
+    for (std::string const& folder : folders)
+      for (int const discs : {2000, 100000})
+        time_writing(folder, discs);
     std::printf("\n| engine | q | stride | backend | folder | ms between frames, not written | "
                 "written | cost by the best | median | of processor time, median |\n"
                 "|---|---|---|---|---|---|---|---|---|---|\n");
