@@ -19,7 +19,8 @@ using namespace ricochet;
 
 perf::Gas const& melted(benchmark::State const& state, Contact const& contact)
 {
-  static std::map<std::pair<std::int64_t, std::int64_t>, perf::Gas> gases; // all of one contact rule
+  static std::map<std::pair<std::int64_t, std::int64_t>, perf::Gas>
+      gases; // all of one contact rule
   auto const [place, is_new] = gases.try_emplace({state.range(0), state.range(1)});
   if (is_new)
     place->second = perf::melted_gas(static_cast<int>(state.range(0)),

@@ -154,10 +154,11 @@ void print_correctness(int discs)
     double const dt = q_toi * 2 * gas.model.radius / gas.thermal_speed;
     auto const exact = run(EngineKind::events, dt * static_cast<double>(std::lround(time / dt)));
     auto const toi = run(EngineKind::toi, dt);
-    std::printf("| %g | %.3f M | %+.2f %% | %.4f | %+.2f %% |\n", packing,
-                static_cast<double>(exact.collisions) / 1e6,
-                100 * (static_cast<double>(toi.collisions) / static_cast<double>(exact.collisions) - 1),
-                *exact.pressure_z, 100 * (*toi.pressure_z / *exact.pressure_z - 1));
+    std::printf(
+        "| %g | %.3f M | %+.2f %% | %.4f | %+.2f %% |\n", packing,
+        static_cast<double>(exact.collisions) / 1e6,
+        100 * (static_cast<double>(toi.collisions) / static_cast<double>(exact.collisions) - 1),
+        *exact.pressure_z, 100 * (*toi.pressure_z / *exact.pressure_z - 1));
     std::fflush(stdout);
   }
 }
@@ -199,7 +200,8 @@ void print_prices(int discs, double packing)
   std::fflush(stdout);
 }
 
-// --- what bounds it -------------------------------------------------------------------------------
+// --- what bounds it
+// -------------------------------------------------------------------------------
 
 /// Time and number of launches of each kernel, from the hooks that Kokkos has for tools.
 struct KernelTimes {
@@ -328,8 +330,9 @@ void run(std::string const& part)
 {
   auto const wants = [&](char const* name) { return part.empty() || part == name; };
   if (wants("speeds")) {
-    std::puts("| engine | q | discs | packing | contacts a disc and step | one thread, best | median "
-              "| all threads, best | median | gain |\n|---|---|---|---|---|---|---|---|---|---|");
+    std::puts(
+        "| engine | q | discs | packing | contacts a disc and step | one thread, best | median "
+        "| all threads, best | median | gain |\n|---|---|---|---|---|---|---|---|---|---|");
     for (int const discs : {10000, 100000, 1000000})
       print_speeds(discs);
   }

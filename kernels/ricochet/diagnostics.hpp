@@ -86,8 +86,7 @@ template <class Space, class Real>
 std::uint64_t state_hash(Space const& space, Discs<Space, Real> const& discs)
 {
   std::uint64_t sum = 0;
-  Kokkos::parallel_reduce("ricochet::state_hash",
-                          Range<Space>(space, 0, discs.count()),
+  Kokkos::parallel_reduce("ricochet::state_hash", Range<Space>(space, 0, discs.count()),
                           Fingerprint<Space, Real>{discs}, sum);
   return mix(sum + static_cast<std::uint64_t>(discs.count()));
 }
@@ -105,8 +104,7 @@ template <class Space, class Real, class List>
 void read_states(Space const& space, List const& list, Discs<Space, Real> const& discs)
 {
   Kokkos::parallel_for(
-      "ricochet::read_states", Range<Space>(space, 0, discs.count()),
-      KOKKOS_LAMBDA(int i) {
+      "ricochet::read_states", Range<Space>(space, 0, discs.count()), KOKKOS_LAMBDA(int i) {
         discs.set_position(i, as<Real>(Vec2<double>{list(i).x, list(i).y}));
         discs.set_velocity(i, as<Real>(Vec2<double>{list(i).vx, list(i).vy}));
         discs.id(i) = i;
@@ -118,8 +116,7 @@ template <class Space, class Real, class List>
 void write_states(Space const& space, Discs<Space, Real> const& discs, List const& list)
 {
   Kokkos::parallel_for(
-      "ricochet::write_states", Range<Space>(space, 0, discs.count()),
-      KOKKOS_LAMBDA(int i) {
+      "ricochet::write_states", Range<Space>(space, 0, discs.count()), KOKKOS_LAMBDA(int i) {
         auto const p = as<double>(discs.position(i)), v = as<double>(discs.velocity(i));
         list(discs.id(i)) = DiscState{p.x, p.y, v.x, v.y};
       });

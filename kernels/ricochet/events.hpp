@@ -47,7 +47,6 @@ class EventDriven : public Engine {
   int threads() const override { return space_.concurrency(); }
 
  private:
-
   auto numbers()
   {
     return [this](auto const& visit) {
@@ -370,8 +369,7 @@ void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic> const&
   Kokkos::deep_copy(space_, memory_.counts, typename WindowMemory<Space, Real>::Counts{});
   using Due = ListDue<Space, Real, periodic>;
   Kokkos::parallel_for("ricochet::list_due",
-                       Range<Space>(space_, 0, blocks_of(Due::block, discs_.count())),
-                       Due{window});
+                       Range<Space>(space_, 0, blocks_of(Due::block, discs_.count())), Due{window});
   counts_ = read_counts();
   Kokkos::parallel_for("ricochet::find_meetings", Range<Space>(space_, 0, counts_.members),
                        FindMeetings<Space, Real, periodic>{window});
@@ -390,7 +388,8 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
   std::visit(
       [&](auto const& law) {
         using ThisLaw = std::decay_t<decltype(law)>;
-        Kokkos::parallel_reduce("ricochet::evolve_islands", Range<Space>(space_, 0, counts_.members),
+        Kokkos::parallel_reduce("ricochet::evolve_islands",
+                                Range<Space>(space_, 0, counts_.members),
                                 EvolveIslands<Space, Real, periodic, ThisLaw>{
                                     window, law, wall_rule, pass, largest_island_},
                                 Merge<Outcome<Real>, Space>(outcome_));

@@ -160,8 +160,7 @@ void FixedStep<Space, Real, PairStep>::fly_and_bounce_off_walls()
   with_flight<Real>(model_.gravity, dt_, [&](auto const& fly) {
     with_walls<Real>(model_, books_.scales(), [&](auto const& bounce) {
       Kokkos::parallel_reduce(
-          "ricochet::fly_and_bounce_off_walls",
-          Range<Space>(space_, 0, discs_.count()),
+          "ricochet::fly_and_bounce_off_walls", Range<Space>(space_, 0, discs_.count()),
           FlyThenBounce<Space, Real, std::decay_t<decltype(fly)>, std::decay_t<decltype(bounce)>>{
               discs_, fly, bounce},
           Merge<Books, Space>(part_));

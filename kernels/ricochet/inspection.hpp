@@ -97,7 +97,6 @@ class Inspection {
                     Discs<Space, Real>& discs) const;
 
  private:
-
   std::string problems(Space const& space, Discs<Space, Real> const& discs,
                        Method const& method) const;
   static void require_none(std::string const& problems, Method const& method)

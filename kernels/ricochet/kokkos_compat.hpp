@@ -79,8 +79,7 @@ Space own_instance()
     // Reductions look at the memory that all share, and would make it where it is too small.
     static bool const is_made = [] {
       int sum = 0;
-      Kokkos::parallel_reduce("ricochet::make_scratch", Range<Space>(0, 0), Nothing{},
-                              sum);
+      Kokkos::parallel_reduce("ricochet::make_scratch", Range<Space>(0, 0), Nothing{}, sum);
       return true;
     }();
     static_cast<void>(is_made);
@@ -109,8 +108,7 @@ template <class Space, class Body>
 void scan(char const* label, Space const& space, int count, Body const& body)
 {
   if constexpr (one_at_a_time<Space>)
-    Kokkos::parallel_for(label, Range<Space>(space, 0, 1),
-                         ScanInOrder<Body>{body, count});
+    Kokkos::parallel_for(label, Range<Space>(space, 0, 1), ScanInOrder<Body>{body, count});
   else
     Kokkos::parallel_scan(label, Range<Space>(space, 0, count), body);
 }

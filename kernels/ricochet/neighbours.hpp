@@ -103,8 +103,8 @@ class Neighbours {
 
  private:
   /// Calls use(domain) with the domain in which discs stored in or next to `cell` are compared: the
-  /// plane, without images, unless it is near an end of a periodic box. Two cells from it, discs are
-  /// on this side even if they have moved by the width of a cell since they were stored.
+  /// plane, without images, unless it is near an end of a periodic box. Two cells from it, discs
+  /// are on this side even if they have moved by the width of a cell since they were stored.
   template <class Use>
   KOKKOS_INLINE_FUNCTION void with_ends(int cell, Use const& use) const
   {

@@ -47,8 +47,7 @@ bool contracts(Space const& space)
   in(1) = 1 - e;
   in(2) = -1;
   Kokkos::deep_copy(probe.in, in);
-  Kokkos::parallel_for("ricochet::contraction_probe", Range<Space>(space, 0, 1),
-                       probe);
+  Kokkos::parallel_for("ricochet::contraction_probe", Range<Space>(space, 0, 1), probe);
   auto out = Kokkos::create_mirror_view(probe.out);
   space.fence();
   Kokkos::deep_copy(out, probe.out);

@@ -60,7 +60,6 @@ class OrderedPairs {
   }
 
  private:
-
   /// Whether the kernels run on the host, whose threads are fast one by one.
   static constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
   /// Where a crowd is more than this part of the discs, or as many must be verified again, one
@@ -134,7 +133,8 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
   Range<Space> const all(space, 0, state.discs.count());
   auto const islands = islands_;
   Kokkos::parallel_for(
-      "ricochet::reset_counts", Range<Space>(space, 0, 1), KOKKOS_LAMBDA(int) { islands.reset_counts(); });
+      "ricochet::reset_counts", Range<Space>(space, 0, 1),
+      KOKKOS_LAMBDA(int) { islands.reset_counts(); });
   bool done = false;
   if (steps_to_pause_ > 0) {
     --steps_to_pause_;

@@ -42,8 +42,7 @@ struct Islands {
       pushes(discs, far_path),
       counts("ricochet::island_counts")
   {
-    Kokkos::parallel_for("ricochet::reset_islands", Range<Space>(0, discs),
-                         Reset{*this});
+    Kokkos::parallel_for("ricochet::reset_islands", Range<Space>(0, discs), Reset{*this});
   }
 
   static KOKKOS_INLINE_FUNCTION int node(int slot) { return slot + 1; }

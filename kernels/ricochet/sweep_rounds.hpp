@@ -184,7 +184,6 @@ class Rounds {
                Islands<Space> const& islands, int most_passes);
 
  private:
-
   /// Rounds by all threads, an even number; then one team finishes. So many see to 99 % of the
   /// pairs of a gas.
   static constexpr int rounds_by_all = 8;

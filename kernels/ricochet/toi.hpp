@@ -50,7 +50,6 @@ class TimeOfImpact : public Engine {
   int threads() const override { return space_.concurrency(); }
 
  private:
-
   /// After so many rounds in a step contacts are left to the next one: discs at rest on each other
   /// would go on for ever.
   static constexpr int most_rounds = 32;
@@ -185,7 +184,7 @@ class TimeOfImpact : public Engine {
   Inspection<Space, Real> inspection_;
   Kokkos::View<Happened, Space> happened_;             ///< in one kernel
   typename ContactMemory<Space, Real>::Counts counts_; ///< as the host last saw them
-  int ahead_ = 0;           ///< steps until discs are sorted again, at the latest
+  int ahead_ = 0; ///< steps until discs are sorted again, at the latest
   int steps_since_sort_ = 0;
   bool has_listed_ = false; ///< candidates
   double travel_ = 0;       ///< how far a disc can be from where it was sorted

@@ -76,7 +76,7 @@ template <class Space, class Real>
 struct ContactMemory {
   using Ints = Kokkos::View<int*, Space>;
   static constexpr int longest = DiscContacts<Real>::longest;
-  static constexpr int block = 64; ///< slots, for some kernels
+  static constexpr int block = 16; ///< slots; a gas has fewer contacts in a step than blocks
 
   Kokkos::View<DiscContacts<Real>*, Space> of_disc;
   Ints called;          ///< latest round it was called up for, or 0
@@ -264,8 +264,8 @@ struct ToiStep {
   KOKKOS_INLINE_FUNCTION Real not_before(int i, int k, Real since) const
   {
     auto const w = discs.velocity(k) - discs.velocity(i);
-    auto const d = arena.domain.separation(
-        {0, 0}, (discs.position(k) - discs.position(i)) + since * w);
+    auto const d =
+        arena.domain.separation({0, 0}, (discs.position(k) - discs.position(i)) + since * w);
     if (any_image || dot(d, d) <= safe_distance2)
       return since;
     Real const time = since + time_to_meet(d, w, safe_distance2, until - since);
@@ -315,17 +315,9 @@ struct ToiStep {
   KOKKOS_INLINE_FUNCTION MayMeet<Real, Ends, at_start> may_meet(Ends const& ends, int i,
                                                                 Real since) const
   {
-    return {discs.x.data(),
-            discs.y.data(),
-            discs.vx.data(),
-            discs.vy.data(),
-            ends,
-            discs.position(i),
-            discs.velocity(i),
-            since,
-            safe_distance2,
-            until - since,
-            any_image};
+    return {discs.x.data(), discs.y.data(),    discs.vx.data(),   discs.vy.data(),
+            ends,           discs.position(i), discs.velocity(i), since,
+            safe_distance2, until - since,     any_image};
   }
 
   /// Distance within which all were sorted that a disc can meet in `time`.
@@ -374,8 +366,8 @@ KOKKOS_INLINE_FUNCTION void for_each_that_may_meet(ToiStep<Space, Real, periodic
   });
 }
 
-/// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted, a block
-/// of discs at a time.
+/// Lists the candidates of the time up to ToiStep::until, among discs that were just sorted, a
+/// block of discs at a time.
 template <class Space, class Real, bool periodic>
 struct ListCandidates {
   static constexpr int block = block_on_host<Space, 32>;
