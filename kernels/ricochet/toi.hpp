@@ -223,7 +223,8 @@ void TimeOfImpact<Space, Real>::sort()
   steps_since_sort_ = 0;
   ahead_ = std::max(steps_near(), 1);
   counts_ = {};
-  has_listed_ = ahead_ > 1 && has_one_image() && ahead_ * dt_ < std::numeric_limits<float>::max();
+  double const latest_due = static_cast<double>(std::numeric_limits<float>::max());
+  has_listed_ = ahead_ > 1 && has_one_image() && ahead_ * dt_ < latest_due;
   if (!has_listed_)
     return;
   Kokkos::deep_copy(space_, memory_.counts, counts_);
