@@ -19,7 +19,7 @@ namespace ricochet::driver {
 double frames_memory(TrajectoryHeader const& header, bool queue_is_full);
 
 /// Takes frames, in order, into a queue of bounded memory and appends them to a file. Frames are
-/// flushed within about a second, ten times a second at most.
+/// flushed within about a second; if they are not compressed, ten times a second at most.
 class FrameWriter {
  public:
   explicit FrameWriter(TrajectoryFile& file, std::int64_t discs);

@@ -69,7 +69,7 @@ class TrajectoryFile {
   /// Makes all appended frames part of the file, whatever happens to the program from now on.
   void flush();
 
-  /// Has all appended frames written to the disk.
+  /// Has all flushed frames written to the disk.
   void sync();
 
   /// Notes that the run ended after step `last`, before its planned end.

@@ -160,10 +160,11 @@ struct Arena {
   Real gravity;
   Real wall_x, wall_y; ///< the most that |x| and |y| of a centre can be; infinite if periodic
   Real period_x, period_y;
-  int images_x, images_y; ///< 1 if a pair may meet through either side of a small periodic box
-  Real inner_x, inner_y;  ///< see is_inner()
-  Real end;               ///< of the interval
-  Real allowance;         ///< how far a disc may move in it before lists must be built again
+  /// Images on either side, beside the nearest, in which a pair may meet in a small periodic box.
+  int images_x, images_y;
+  Real inner_x, inner_y; ///< see is_inner()
+  Real end;              ///< of the interval
+  Real allowance;        ///< how far a disc may move in it before lists must be built again
 
   /// Position and velocity in the lab of a flight at `time`.
   KOKKOS_INLINE_FUNCTION Vec2<Real> lab_position(Vec2<Real> p, Real time) const

@@ -93,6 +93,7 @@ class TimeOfImpact : public Engine {
         return;
       execute_round<periodic>(round, counts_.called);
     }
+    note_speed(std::sqrt(value_after(space_, memory_.counts).speed2)); // of the last round
     has_listed_ = false; // discs that must be kept inside the box now leave their lines
   }
 
@@ -262,6 +263,11 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
   };
   auto const size = static_cast<Real>(diameter);
   auto const safe = static_cast<Real>(diameter + rounding());
+  // Where cells are much wider than discs, the discriminant of discs far from each other is less
+  // certain than their places.
+  double const widest = 1 / std::min(grid_.cells().x.per_length, grid_.cells().y.per_length);
+  auto const uncertainty2 = static_cast<Real>(
+      64 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * widest * widest);
   int const images_x = images(box.x, box.width), images_y = images(box.y, box.height);
   bool const any_image = images_x + images_y > 0;
   double const travel = travel_ + speed * dt_;
@@ -273,7 +279,7 @@ ToiStep<Space, Real, periodic> TimeOfImpact<Space, Real>::this_step() const
            images_y, inner(box.x, box.width), inner(box.y, box.height), static_cast<Real>(dt_),
            Real(0)},
           size,
-          safe * safe,
+          safe * safe + uncertainty2,
           static_cast<Real>(rounding()),
           any_image,
           is_near(travel) && !any_image,

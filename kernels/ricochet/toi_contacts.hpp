@@ -43,7 +43,7 @@ template <class Real>
 struct NextEvent {
   Real time;
   int with;  ///< see `partner`
-  int round; ///< in which it was determined
+  int round; ///< in which it was last determined, also where a new line has made it void since
 };
 
 /// What contacts leave to be entered in the books of the run.
@@ -71,7 +71,8 @@ struct alignas(64) DiscContacts {
   int changed = 0;      ///< latest round in which it got a new line, or 0
 };
 
-/// Memory of the contacts of a step, by slot unless it says otherwise. Between steps it is as new.
+/// Memory of the contacts of a step, by slot unless it says otherwise. Between steps it is as new,
+/// but for the candidates.
 template <class Space, class Real>
 struct ContactMemory {
   using Ints = Kokkos::View<int*, Space>;
@@ -215,7 +216,7 @@ struct ToiStep {
   Neighbours<Space, Real, periodic> neighbours;
   Arena<Real, periodic> arena;
   Real diameter;
-  Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance
+  Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance, or more
   Real rounding;       ///< more than it may add to a distance
   bool any_image;      ///< whether discs may meet in more than their nearest images
   bool is_near;        ///< whether discs that meet in it were sorted into neighbouring cells
