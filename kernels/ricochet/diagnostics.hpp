@@ -95,10 +95,6 @@ std::uint64_t state_hash(Space const& space, Discs<Space, Real> const& discs)
 template <class State>
 using HostStates = Kokkos::View<State*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 
-template <class Space>
-constexpr bool shares_host_memory =
-    Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
-
 /// Reads discs from a list in id order that `Space` can access.
 template <class Space, class Real, class List>
 void read_states(Space const& space, List const& list, Discs<Space, Real> const& discs)

@@ -46,6 +46,20 @@ class Domain {
       return p;
   }
 
+  /// Calls use(domain) with the plane, which has no images, for discs that are not near any other's
+  /// image across an end of the box (`inner`), and with this domain for others.
+  template <class Use>
+  KOKKOS_INLINE_FUNCTION void with_ends(bool inner, Use const& use) const
+  {
+    if constexpr (periodic) {
+      if (!inner) {
+        use(*this);
+        return;
+      }
+    }
+    use(Domain<Real, false>());
+  }
+
  private:
   struct Axis {
     Real length = std::numeric_limits<Real>::infinity();

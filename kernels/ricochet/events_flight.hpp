@@ -233,13 +233,7 @@ struct Arena {
   template <class Use>
   KOKKOS_INLINE_FUNCTION void with_ends(Vec2<Real> p, Use const& use) const
   {
-    if constexpr (periodic) {
-      if (!is_inner(p)) {
-        use(domain);
-        return;
-      }
-    }
-    use(Domain<Real, false>());
+    domain.with_ends(!periodic || is_inner(p), use);
   }
 
   /// When two discs on these flights touch, if not clearly later than `limit`. `inner`: whether one

@@ -344,18 +344,17 @@ struct ListDue {
   KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
     int const n = static_cast<int>(w.m.predictions.extent(0));
-    int const begin = b * block, end = begin + block < n ? begin + block : n;
     int count = 0;
-    for (int i = begin; i < end; ++i)
-      count += w.m.predictions(i).due < w.end ? 1 : 0;
+    for_each_in_block(b, block, n, [&](int i) { count += w.m.predictions(i).due < w.end ? 1 : 0; });
     if (count == 0)
       return;
     int entry = fetch_add<Space>(w.m.counts().members, count);
-    for (int i = begin; i < end; ++i)
+    for_each_in_block(b, block, n, [&](int i) {
       if (w.m.predictions(i).due < w.end) {
         w.m.members(entry++) = i;
         w.m.marks(i) = mark::listed;
       }
+    });
   }
 };
 

@@ -31,16 +31,29 @@ ViewType uninitialised(std::string const& label, Extents... extents)
 template <class Space>
 using Range = Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>;
 
+/// Whether kernels on `Space` run on the host, in its memory.
+template <class Space>
+constexpr bool shares_host_memory =
+    Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
+
 /// How many items a work item takes in turn where that helps a host: there `size`, and one on a
 /// device, whose threads are many.
 template <class Space, int size>
-constexpr int block_on_host =
-    Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible ? size : 1;
+constexpr int block_on_host = shares_host_memory<Space> ? size : 1;
 
 /// Number of blocks of `size` that hold `items`.
 constexpr int blocks_of(int size, int items)
 {
   return (items + size - 1) / size;
+}
+
+/// Calls visit(i) for the items of one of these blocks.
+template <class Visit>
+KOKKOS_INLINE_FUNCTION void for_each_in_block(int block, int size, int items, Visit const& visit)
+{
+  int const begin = block * size, end = begin + size < items ? begin + size : items;
+  for (int i = begin; i < end; ++i)
+    visit(i);
 }
 
 /// The value in a View of rank 0, for the host, once all that is queued on `space` is done.

@@ -108,13 +108,7 @@ class Neighbours {
   template <class Use>
   KOKKOS_INLINE_FUNCTION void with_ends(int cell, Use const& use) const
   {
-    if constexpr (periodic) {
-      if (!cells_.is_inner(cell, 2)) {
-        use(domain_);
-        return;
-      }
-    }
-    use(Domain<Real, false>());
+    domain_.with_ends(!periodic || cells_.is_inner(cell, 2), use);
   }
 
   /// Calls visit(runs) so that together the runs are the slots from `from` on of all cells with a

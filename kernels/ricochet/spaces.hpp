@@ -22,8 +22,7 @@ using SerialSpace = Kokkos::DefaultHostExecutionSpace;
 constexpr bool has_two_spaces = !std::is_same_v<ParallelSpace, SerialSpace>;
 
 /// Whether the default backend is a device with a memory of its own.
-constexpr bool parallel_is_device =
-    !Kokkos::SpaceAccessibility<ParallelSpace, Kokkos::HostSpace>::accessible;
+constexpr bool parallel_is_device = !shares_host_memory<ParallelSpace>;
 
 /// An execution space as an argument.
 template <class Space>

@@ -60,8 +60,6 @@ class OrderedPairs {
   }
 
  private:
-  /// Whether the kernels run on the host, whose threads are fast one by one.
-  static constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
   /// Where a crowd is more than this part of the discs, or as many must be verified again, one
   /// thread is done sooner in order; and where it takes more passes than this. To execute a crowd
   /// costs about as much as to verify a tenth of the discs.
@@ -74,7 +72,7 @@ class OrderedPairs {
   static bool is_too_much(int pass, int again, int crowd, int discs)
   {
     return pass > most_passes || again > discs / worthwhile_part ||
-           crowd > (on_host ? discs / worthwhile_part : 0);
+           crowd > (shares_host_memory<Space> ? discs / worthwhile_part : 0);
   }
 
   bool by_islands() const
@@ -83,7 +81,8 @@ class OrderedPairs {
   }
   bool by_rounds() const
   {
-    return execution_ == Execution::rounds || (execution_ == Execution::automatic && !on_host);
+    return execution_ == Execution::rounds ||
+           (execution_ == Execution::automatic && !shares_host_memory<Space>);
   }
 
  public: // nvcc takes device lambdas only from public functions

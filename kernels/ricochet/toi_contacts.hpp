@@ -152,16 +152,14 @@ struct ListCalled {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
   {
-    if (m.called_in_block(b) == round) {
-      int const n = static_cast<int>(m.called.extent(0));
-      int const begin = b * m.block, end = begin + m.block < n ? begin + m.block : n;
-      for (int slot = begin; slot < end; ++slot)
-        if (m.called(slot) == round) {
-          if (final)
-            m.list(before) = slot;
-          ++before;
-        }
-    }
+    if (m.called_in_block(b) == round)
+      for_each_in_block(b, m.block, static_cast<int>(m.called.extent(0)), [&](int slot) {
+        if (m.called(slot) != round)
+          return;
+        if (final)
+          m.list(before) = slot;
+        ++before;
+      });
     if (final && b + 1 == static_cast<int>(m.called_in_block.extent(0)))
       m.counts().called = before;
   }
@@ -249,11 +247,17 @@ struct ToiStep {
   /// Whether disc i surely meets no wall on its line between two times.
   KOKKOS_INLINE_FUNCTION bool misses_walls(int i, Real from, Real to) const
   {
+    return with_closer_walls().misses_walls(arena.lab_position(at(i, from), from),
+                                            arena.lab_velocity(discs.velocity(i), from), to - from);
+  }
+
+  /// The arena with walls that are closer by what rounding may add to a distance.
+  KOKKOS_INLINE_FUNCTION Arena<Real, periodic> with_closer_walls() const
+  {
     auto closer = arena;
     closer.wall_x -= rounding;
     closer.wall_y -= rounding;
-    return closer.misses_walls(arena.lab_position(at(i, from), from),
-                               arena.lab_velocity(discs.velocity(i), from), to - from);
+    return closer;
   }
 
   /// A time not later than when discs i and k, on their lines from `since` on, are as close as
@@ -280,9 +284,7 @@ struct ToiStep {
       return std::numeric_limits<Real>::infinity();
     if (m.last(i).rests != 0) // on a line that is not its path; see ResolveContacts
       return since;
-    auto closer = arena;
-    closer.wall_x -= rounding;
-    closer.wall_y -= rounding;
+    auto closer = with_closer_walls();
     closer.end = until;
     return closer.next_wall({at(i, since), discs.velocity(i), since, 0, 0, 0}).due;
   }
@@ -378,14 +380,12 @@ struct ListCandidates {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
-    int const n = step.discs.count();
-    int const begin = b * block, end = begin + block < n ? begin + block : n;
     CandidateBatch<Space, Real> batch(step.m);
-    for (int i = begin; i < end; ++i) {
+    for_each_in_block(b, block, step.discs.count(), [&](int i) {
       for_each_that_may_meet<true>(step, cell(i), i,
                                    [&](int k) { step.list_candidate(i, k, 0, batch); });
       step.list_wall(i, 0, batch);
-    }
+    });
     batch.flush();
   }
 };
@@ -402,15 +402,14 @@ struct FindAmongCandidates {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
   {
-    int const first = b * block, last = first + block < candidates ? first + block : candidates;
     // First who is due, without a branch, so that looking at one of them can begin before the one
     // before is done: it is waiting for memory that takes the time.
     int due[block];
     int size = 0;
-    for (int place = first; place < last; ++place) {
+    for_each_in_block(b, block, candidates, [&](int place) {
       due[size] = place;
       size += step.m.due(place) <= end ? 1 : 0;
-    }
+    });
     for (int k = 0; k < size; ++k)
       if (is_done_with(step.m.candidate(due[k], 0), step.m.candidate(due[k], 1), happened))
         step.m.due(due[k]) = std::numeric_limits<float>::infinity();

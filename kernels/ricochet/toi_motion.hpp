@@ -58,11 +58,10 @@ struct Settle {
     if (m.called_in_block(b) == 0)
       return;
     m.called_in_block(b) = 0;
-    int const n = static_cast<int>(m.called.extent(0));
-    int const begin = b * m.block, end = begin + m.block < n ? begin + m.block : n;
-    for (int i = begin; i < end; ++i)
+    for_each_in_block(b, m.block, static_cast<int>(m.called.extent(0)), [&](int i) {
       if (m.called(i) != 0)
         settle(i, happened);
+    });
   }
 
  private:
