@@ -17,17 +17,6 @@ namespace {
 
 using namespace ricochet;
 
-perf::Gas const& melted(benchmark::State const& state, Contact const& contact)
-{
-  static std::map<std::pair<std::int64_t, std::int64_t>, perf::Gas>
-      gases; // all of one contact rule
-  auto const [place, is_new] = gases.try_emplace({state.range(0), state.range(1)});
-  if (is_new)
-    place->second = perf::melted_gas(static_cast<int>(state.range(0)),
-                                     static_cast<double>(state.range(1)) / 100, contact, 9.81);
-  return place->second;
-}
-
 /// A melted gas with gravity and dissipation, at q = thermal speed x dt / diameter when it begins.
 /// It cools and falls, so every batch begins where the first did; a batch is the time in which a
 /// disc at the thermal speed flies its diameter.
@@ -38,7 +27,8 @@ void steps(benchmark::State& state, EngineKind engine, Precision precision, doub
   Contact contact;
   contact.restitution = 0.93;
   contact.friction = 0.98;
-  auto const& scene = melted(state, contact);
+  auto const scene = perf::melted_gas(static_cast<int>(state.range(0)),
+                                      static_cast<double>(state.range(1)) / 100, contact, 9.81);
   Method method;
   method.engine = engine;
   method.precision = precision;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -79,18 +80,24 @@ inline double collision_rate(Gas const& gas, double packing)
   return 8 / std::sqrt(pi) * packing * contact_value * gas.thermal_speed / (2 * gas.model.radius);
 }
 
-/// A gas between walls whose lattice some collisions of each disc have melted; then it has the
-/// contact rule and the gravity asked for.
+/// A gas between walls whose lattice some collisions of each disc have melted, once for all
+/// callers; then it has the contact rule and the gravity asked for.
 inline Gas melted_gas(int count, double packing, Contact const& contact, double gravity)
 {
-  Gas result = gas(count, packing, Contact{Law::swap_scale, 1, 1}, 0);
-  constexpr double collisions = 5;
-  Method method;
-  method.engine = EngineKind::events; // no other leaves discs that no engine finds to overlap
-  method.dt = collisions / collision_rate(result, packing);
-  auto const simulation = make_engine(result.model, method, result.discs);
-  simulation->advance(1);
-  simulation->states(result.discs.data());
+  static std::map<std::pair<int, double>, Gas> gases;
+  auto const [place, is_new] = gases.try_emplace({count, packing});
+  Gas& melted = place->second;
+  if (is_new) {
+    melted = gas(count, packing, Contact{Law::swap_scale, 1, 1}, 0);
+    constexpr double collisions = 5;
+    Method method;
+    method.engine = EngineKind::events; // no other leaves discs that no engine finds to overlap
+    method.dt = collisions / collision_rate(melted, packing);
+    auto const simulation = make_engine(melted.model, method, melted.discs);
+    simulation->advance(1);
+    simulation->states(melted.discs.data());
+  }
+  Gas result = melted;
   result.model.contact = contact;
   result.model.gravity = gravity;
   return result;

@@ -41,18 +41,6 @@ double seconds()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-perf::Gas melted(int discs, double packing, Contact const& contact, double g)
-{
-  static std::map<std::pair<int, double>, perf::Gas> gases;
-  auto const [place, is_new] = gases.try_emplace({discs, packing});
-  if (is_new)
-    place->second = perf::melted_gas(discs, packing, elastic, 0);
-  auto gas = place->second;
-  gas.model.contact = contact;
-  gas.model.gravity = g;
-  return gas;
-}
-
 /// Times of the same work again and again.
 struct Times {
   std::vector<double> all; ///< [s]
@@ -101,9 +89,11 @@ class Work {
   }
 
   Times const& times() const { return times_; }
-  double disc_steps() { return static_cast<double>(steps_ * report().discs); }
+  double disc_steps() const
+  {
+    return static_cast<double>(steps_) * static_cast<double>(start_.discs.size());
+  }
   int threads() const { return simulation_->threads(); }
-  std::int64_t steps() const { return steps_; }
 
  private:
   std::int64_t steps_;
@@ -115,7 +105,7 @@ class Work {
 void print_speeds(int discs)
 {
   for (double const packing : packings) {
-    auto const gas = melted(discs, packing, dissipative, gravity);
+    auto const gas = perf::melted_gas(discs, packing, dissipative, gravity);
     for (auto const& [engine, q] :
          {std::pair{EngineKind::sweep, q_sweep}, std::pair{EngineKind::toi, q_toi}}) {
       Work one(gas, engine, q, Placement::serial), all(gas, engine, q, Placement::parallel);
@@ -125,11 +115,13 @@ void print_speeds(int discs)
       }
       auto const rate = [&](double time) { return one.disc_steps() / time / 1e6; };
       auto const &times = one.times(), &times_all = all.times();
+      auto const report = one.report();
+      all.report();
       std::printf("| `%s` | %g | %d | %g | %.4f | %.0f | %.0f | %.0f | %.0f | %.2f |\n",
                   name(engine), q, discs, packing,
-                  static_cast<double>(one.report().collisions) / one.disc_steps(),
-                  rate(times.best()), rate(times.median()), rate(times_all.best()),
-                  rate(times_all.median()), times.best() / times_all.best());
+                  static_cast<double>(report.collisions) / one.disc_steps(), rate(times.best()),
+                  rate(times.median()), rate(times_all.best()), rate(times_all.median()),
+                  times.best() / times_all.best());
       std::fflush(stdout);
     }
   }
@@ -140,7 +132,7 @@ void print_speeds(int discs)
 void print_correctness(int discs)
 {
   for (double const packing : packings) {
-    auto gas = melted(discs, packing, elastic, 0);
+    auto gas = perf::melted_gas(discs, packing, elastic, 0);
     gas.model.box.x = gas.model.box.y = Boundary::periodic;
     double const time = 20 / perf::collision_rate(gas, packing);
     auto const run = [&](EngineKind engine, double dt) {
@@ -178,7 +170,7 @@ void print_prices(int discs, double packing)
                           {"contacts, walls", true, true, 0, elastic},
                           {"contacts, walls, gravity", true, true, gravity, elastic},
                           {"contacts, walls, gravity, losses", true, true, gravity, dissipative}};
-  auto const start = melted(discs, packing, elastic, 0);
+  auto const start = perf::melted_gas(discs, packing, elastic, 0);
   std::vector<std::unique_ptr<Work>> works;
   for (auto const& scene : scenes)
     for (auto const& [engine, q] :
@@ -193,6 +185,8 @@ void print_prices(int discs, double packing)
   for (int round = 0; round <= rounds; ++round)
     for (auto const& work : works)
       work->measure();
+  for (auto const& work : works)
+    work->report();
   for (std::size_t k = 0; k < works.size(); k += 2)
     std::printf("| %s | %.2f | %.2f |\n", scenes[k / 2].terms,
                 1e9 * works[k]->times().best() / works[k]->disc_steps(),
@@ -200,8 +194,7 @@ void print_prices(int discs, double packing)
   std::fflush(stdout);
 }
 
-// --- what bounds it
-// -------------------------------------------------------------------------------
+// What bounds it.
 
 /// Time and number of launches of each kernel, from the hooks that Kokkos has for tools.
 struct KernelTimes {
@@ -290,7 +283,7 @@ template <class Space>
 void print_bounds(int discs, double packing, Placement placement)
 {
   double const bandwidth = triad<Space>();
-  auto const gas = melted(discs, packing, dissipative, gravity);
+  auto const gas = perf::melted_gas(discs, packing, dissipative, gravity);
   Work work(gas, EngineKind::toi, q_toi, placement);
   work.measure();
   KernelTimes::instance().entries.clear();
