@@ -1,26 +1,26 @@
 // Exact hard-disc dynamics: every collision at its time, in order, in parallel.
 //
-// A step is divided into intervals, in which lists of neighbours are valid, and these into windows,
-// in which discs that meet are evolved as islands. kernels/README.md says why this is exact.
+// A step is divided into windows of time, in which discs that meet are evolved as islands.
+// kernels/README.md says why this is exact.
 #pragma once
 
 #include "ricochet/checkpoint.hpp"
 #include "ricochet/events_islands.hpp"
-#include "ricochet/inspection.hpp"
+#include "ricochet/line_search.hpp"
 #include "ricochet/reproducible.hpp"
 #include "ricochet/run_books.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+#include <variant>
 
 namespace ricochet {
 
 /// Engine `events`. A step is only the distance of frames: within it time is continuous.
 ///
-/// The state after a step is a function of the state before it. What the past has taught the engine
-/// (how long a window should be) changes the cost, and not a bit.
+/// The state after a step is a function of the state before it: how long its first window is
+/// follows from that, and how long the others are from what happened in those before.
 template <class Space, class Real>
 class EventDriven : public Engine {
  public:
@@ -41,6 +41,7 @@ class EventDriven : public Engine {
   void restore(Checkpoint const& checkpoint) override
   {
     ricochet::restore(space_, discs_, numbers(), checkpoint);
+    search_.forget();
   }
   std::vector<std::string> warnings() const override { return {}; }
   std::string backend() const override { return Space::name(); }
@@ -53,8 +54,6 @@ class EventDriven : public Engine {
       books_.visit_numbers(space_, visit);
       inspection_.visit_numbers(visit);
       visit("windows", windows_);
-      visit("window", window_);
-      visit("largest_island", largest_island_);
     };
   }
 
@@ -62,180 +61,168 @@ class EventDriven : public Engine {
   {
     ProfilingRegion const region("ricochet::step");
     remaining_ = dt_;
+    choose_first_window();
     while (remaining_ > 0)
-      remaining_ -= is_periodic(model_.box) ? interval<true>() : interval<false>();
+      is_periodic(model_.box) ? window<true>() : window<false>();
     books_.count_steps(1);
   }
 
-  /// Advances all discs until a disc leaves what the lists of neighbours cover, or to the end of
-  /// the step. Returns the time that has passed.
+  /// Advances all discs by a window.
   template <bool periodic>
-  double interval()
-  {
-    auto window = take_off<periodic>();
-    Real const planned = window.arena.end;
-    Real now = 0;
-    while (now < window.arena.end) {
-      advance_window(window, now);
-      now = window.end;
-    }
-    land(window);
-    bool const to_the_end = window.end == planned && planned == static_cast<Real>(remaining_);
-    return to_the_end ? remaining_ : static_cast<double>(window.end);
-  }
-
-  /// Advances the discs that have events from `now` to the end of a window, which is found here.
-  template <bool periodic>
-  void advance_window(Window<Space, Real, periodic>& window, Real now)
+  void window()
   {
     ProfilingRegion const region("ricochet::window");
-    window.end = now + static_cast<Real>(std::max(window_, shortest_window_));
+    double parts;
     do {
-      window.end = std::min(window.end, window.arena.end);
-      form_islands(window);
-      if (reach_fixpoint(window, now)) {
-        commit(window);
-        choose_next_window(static_cast<double>(window.end - now));
-        return;
-      }
-    } while (window.end > now);
+      parts = std::ceil(remaining_ / std::min(window_, longest_window()));
+    } while (!advance<periodic>(remaining_ / parts));
+    double const length = remaining_ / parts;
+    remaining_ = parts > 1 ? remaining_ - length : 0;
+    choose_next_window(length);
   }
 
-  /// Evolves all islands, and again those that meet others, until none do. Returns false if the
-  /// window has to be tried again; it has another end then.
+  /// Advances all discs by a length of time, if its islands are no more than a window can have.
+  /// Returns false if not; nothing has happened then, and `window_` or the log is another.
   template <bool periodic>
-  bool reach_fixpoint(Window<Space, Real, periodic>& window, Real now)
+  bool advance(double length)
   {
+    search_.template prepare<periodic>(space_, discs_, inspection_, length);
+    search_.template find<periodic>(space_, discs_, books_.view(), length, [&](auto const& lines) {
+      return UniteMeeting<Space, Real, periodic>{lines.m, memory_.forest};
+    });
+    Kokkos::deep_copy(space_, memory_.logged, 0);
     for (int pass = 1;; ++pass) {
-      auto const outcome = evolve_islands(window, pass);
-      if (outcome.leaves < window.end)
-        return give_up(window, leave(window, now, outcome.leaves));
-      if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.too_large > 0)
-        return give_up(window, shorter(window.end, now, outcome));
-      verify_islands(window, pass);
-      if (counts_.log > static_cast<int>(memory_.log.extent(0)))
-        return give_up_for_a_longer_log(window);
-      if (counts_.joints == 0)
+      int const members = search_.list_called(space_, pass);
+      Window<Space, Real, periodic> const before(lines<periodic>(length, 1.5), memory_);
+      if (members == 0) {
+        commit(before);
+        fly(length);
         return true;
-      form_grown_islands(window);
+      }
+      auto const outcome = evolve_islands(before, pass, members);
+      speed_ = std::max(speed_, std::sqrt(outcome.speed2));
+      search_.note_speed(speed_);
+      Window<Space, Real, periodic> const after(lines<periodic>(length, 1), memory_);
+      if (!is_acceptable(outcome, length) || !has_images_of(after.arena, before.arena)) {
+        dissolve(before);
+        return false;
+      }
+      verify_islands(after, pass, members);
     }
   }
 
-  /// The end of a window in which a disc seems to leave its neighbourhood at `time`. It is true,
-  /// and the end of the interval, if it happens now: all that can prevent it has been before.
-  template <bool periodic>
-  Real leave(Window<Space, Real, periodic>& window, Real now, Real time)
+  /// Whether a pass can be gone on with; if not, what has to be another is.
+  bool is_acceptable(Outcome<Real> const& outcome, double length)
   {
-    if (time <= now)
-      window.arena.end = now;
-    return std::max(time, now);
+    if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.too_large > 0) {
+      shorten(length, outcome);
+      return false;
+    }
+    if (outcome.unlogged > 0) {
+      using Log = decltype(memory_.log);
+      auto const entries = memory_.log.extent(0) + 2 * static_cast<std::size_t>(outcome.unlogged);
+      memory_.log = Log(); // gives the old memory back first
+      memory_.log = Log("ricochet::past_flights", entries);
+      return false;
+    }
+    return true;
   }
 
-  /// The end of a window that is shorter because of an island that was too much for this one.
+  /// Makes windows shorter because of an island that was too much for one of this length.
   ///
   /// This is where an island with lasting contact comes to, and where a solver for it belongs. An
   /// island has that when it needs more than its budget of events however short the window is.
-  Real shorter(Real end, Real now, Outcome<Real> const& outcome)
+  void shorten(double length, Outcome<Real> const& outcome)
   {
-    // Twice, for the difference of two times is rounded.
-    bool const shortest = static_cast<double>(end - now) <= 2 * shortest_window_;
+    bool const shortest = length <= shortest_window_;
     if (outcome.stuck.first != Stuck<Real>::nowhere && shortest)
       throw LastingContact(description(outcome.stuck));
     if (shortest)
       largest_island_ = std::numeric_limits<int>::max();
-    window_ = std::max(shortest_window_, static_cast<double>(end - now) / 8);
-    return shortest ? end : now + static_cast<Real>(window_);
+    window_ = std::max(shortest_window_, length / 8);
+  }
+
+  /// Whether discs that became faster meet no farther images than those that were looked at.
+  template <class ArenaType>
+  bool has_images_of(ArenaType const& after, ArenaType const& before)
+  {
+    bool const has = after.images_x <= before.images_x && after.images_y <= before.images_y;
+    if (!has)
+      window_ = static_cast<double>(before.end) / 2;
+    return has;
   }
 
   std::string description(Stuck<Real> const& stuck) const;
 
-  /// Aims at a number of events that keeps islands small: about 0.1 collisions a disc.
+  void choose_first_window();
+
+  /// In a window no disc flies farther than some diameters, or the square of a distance would leave
+  /// little of that of a diameter; nor through more than a part of a periodic box, nor falls deeper
+  /// than the box is high.
+  double longest_window() const
+  {
+    double path = (sizeof(Real) > sizeof(float) ? 128 : 16) * model_.radius;
+    if (model_.box.x == Boundary::periodic)
+      path = std::min(path, model_.box.width / 4);
+    if (model_.box.y == Boundary::periodic)
+      path = std::min(path, model_.box.height / 4);
+    double const g = std::fabs(model_.gravity);
+    double const fall = g > 0 ? std::sqrt(model_.box.height / g) : dt_;
+    return speed_ > 0 ? std::min(path / speed_, fall) : fall;
+  }
+
+  /// Aims at a number of events that keeps islands small.
   void choose_next_window(double length)
   {
-    Books const happened = value_after(space_, part_);
+    auto const happened = value_after(space_, search_.happened()).books;
     auto const events = static_cast<double>(happened.collisions + happened.wall_hits);
-    double const aim = std::max(events_per_disc * discs_.count(), 8.0);
-    double const factor = events > 0 ? aim / events : 2;
-    // A window that was cut short by the interval says nothing about a much longer one.
+    double const factor = events > 0 ? events_aimed_at() / events : 2;
+    // A window that was cut short by the step says nothing about a much longer one.
     window_ = std::clamp(length * factor, window_ / 2, window_ * 1.5);
     largest_island_ = large_island;
     ++windows_;
   }
+
+  double events_aimed_at() const { return std::max(events_per_disc * discs_.count(), 8.0); }
 
   static constexpr double events_per_disc = 0.05; ///< in a window
   static constexpr int large_island = 256;        ///< evolving one is quadratic in its size
 
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
-  Arena<Real, periodic> arena(double speed) const;
+  Lines<Space, Real, periodic> lines(double length, double growth) const
+  {
+    return search_.template lines<periodic>(discs_, length, growth);
+  }
+  double mean_square_speed() const;
   template <bool periodic>
-  Window<Space, Real, periodic> take_off();
+  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass, int members);
   template <bool periodic>
-  void land(Window<Space, Real, periodic> const& window);
-  template <bool periodic>
-  void form_islands(Window<Space, Real, periodic> const& window);
-  template <bool periodic>
-  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass);
-  template <bool periodic>
-  void verify_islands(Window<Space, Real, periodic> const& window, int pass);
-  template <bool periodic>
-  void form_grown_islands(Window<Space, Real, periodic> const& window);
+  void verify_islands(Window<Space, Real, periodic> const& window, int pass, int members);
   template <bool periodic>
   void commit(Window<Space, Real, periodic> const& window);
   template <bool periodic>
-  void dissolve_islands(Window<Space, Real, periodic> const& window);
+  void dissolve(Window<Space, Real, periodic> const& window);
+  void fly(double length);
 
  private:
-  template <bool periodic>
-  bool give_up(Window<Space, Real, periodic>& window, Real new_end)
-  {
-    dissolve_islands(window);
-    window.end = new_end;
-    return false;
-  }
-
-  template <bool periodic>
-  bool give_up_for_a_longer_log(Window<Space, Real, periodic>& window)
-  {
-    using Log = decltype(memory_.log);
-    window.m.log = memory_.log = Log(); // gives the old memory back first
-    window.m.log = memory_.log = Log("ricochet::past_flights", counts_.log + counts_.log / 2);
-    return give_up(window, window.end);
-  }
-
-  typename WindowMemory<Space, Real>::Counts read_counts()
-  {
-    return value_after(space_, memory_.counts);
-  }
-
-  static double best_skin(Model const& model, int discs);
-
-  /// A model whose grid has cells as wide as neighbours are looked for.
-  static Model model_of_grid(Model model, double skin)
-  {
-    model.radius += skin / 2;
-    return model;
-  }
-
   Space space_ = own_instance<Space>();
   Model model_;
   double dt_;
   AnyLaw<Real> law_;
-  Discs<Space, Real> discs_; ///< as the present interval began
-  double skin_;              ///< how far beyond contact neighbours are looked for
-  CellGrid<Space, Real> grid_;
-  NeighbourLists<Space> lists_;
-  WindowMemory<Space, Real> memory_;
-  typename WindowMemory<Space, Real>::Counts counts_;
+  Discs<Space, Real> discs_;
+  LineSearch<Space, Real> search_;
+  IslandMemory<Space, Real> memory_;
   RunBooks<Space> books_;
-  BooksView<Space> part_; ///< of one kernel
+  Inspection<Space, Real> inspection_;
   // Results of kernels. Allocated once: the host's default backend, not this engine's, would fill
   // new ones.
-  Inspection<Space, Real> inspection_;
   Kokkos::View<Outcome<Real>, Space> outcome_;
+  Kokkos::View<ExactSum, Space> sum_;
   std::int64_t windows_ = 0;
   double remaining_ = 0;       ///< of the present step
-  double window_ = 0;          ///< length that the next window should have
+  double window_ = 0;          ///< most that the next window should last
+  double speed_ = 0;           ///< of the fastest disc in the step so far; no less than that
   double shortest_window_ = 0; ///< below it, many events mean lasting contact
   int largest_island_ = large_island;
 };
@@ -247,149 +234,73 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    skin_(best_skin(model, discs_.count())),
-    grid_(model_of_grid(model, skin_), discs_.count()),
-    lists_(discs_.count()),
-    memory_(discs_.count()),
+    search_(model, discs_.count()),
+    memory_(space_, discs_.count()),
     books_(model, method.dt, initial),
-    part_("ricochet::part_of_books"),
     inspection_(model),
-    outcome_("ricochet::outcome")
+    outcome_("ricochet::outcome"),
+    sum_("ricochet::sum")
 {
   require_no_contraction(space_);
   if (is_periodic(model_.box))
     wrap_all(space_, discs_, Domain<Real, true>(model_.box));
   books_.begin(space_, discs_);
-  inspection_.require_separate(space_, grid_, discs_, method);
-  window_ = dt_;
+  inspection_.require_separate(space_, search_.grid(), discs_, method);
 }
 
-/// How far beyond contact neighbours are looked for. Farther means longer intervals, but more
-/// neighbours. The best, measured at packings from 0.05 to 0.7, follows the radius of a disc's
-/// share of the area.
+/// Sets the length of the first window of a step: what it should be in a gas of this density and
+/// temperature T = <v^2>/2, where a disc collides at Enskog's rate with the contact value of
+/// Henderson 1975 (doi 10.1080/00268977500102511),
+///   8 packing / (sqrt(pi) diameter) (1 - 7 packing/16) / (1 - packing)^2 sqrt(T).
+/// It need not be right, but the same wherever the step begins with this state.
 template <class Space, class Real>
-double EventDriven<Space, Real>::best_skin(Model const& model, int discs)
+void EventDriven<Space, Real>::choose_first_window()
 {
-  constexpr double pi = 3.14159265358979323846;
-  double const share = model.box.width * model.box.height / std::max(discs, 1);
-  double const diameter = 2 * model.radius;
-  double skin = std::max(2 * std::sqrt(share / pi) - 0.6 * diameter, 0.1 * diameter);
-  // A disc that leaves a periodic box is brought back by one length, at the end of the interval.
-  if (model.box.x == Boundary::periodic)
-    skin = std::min(skin, model.box.width / 2);
-  if (model.box.y == Boundary::periodic)
-    skin = std::min(skin, model.box.height / 2);
-  return skin;
-}
+  int const n = discs_.count();
+  double const diameter = 2 * model_.radius, g = std::fabs(model_.gravity);
+  speed_ = std::sqrt(inspection_.extremes(space_, discs_).speed2);
+  double const unit_speed = std::max(speed_, std::sqrt(g * diameter));
+  shortest_window_ = unit_speed > 0 ? 2e-6 * diameter / unit_speed : dt_;
 
-/// The arena of an interval that begins when no disc is faster than `speed`.
-template <class Space, class Real>
-template <bool periodic>
-Arena<Real, periodic> EventDriven<Space, Real>::arena(double speed) const
-{
-  auto const& box = model_.box;
-  auto const diameter = static_cast<Real>(2 * model_.radius);
-  double const allowance = 0.4999 * skin_; // both discs of a pair can take one
-  // Discs are not followed farther than four times as long as the fastest could fly.
-  double end = remaining_;
-  if (speed > 0)
-    end = std::min(end, 4 * allowance / speed);
-  if (model_.gravity != 0)
-    end = std::min(end, std::sqrt(box.height / std::fabs(model_.gravity)));
-  auto const limits = centre_limits<Real>(model_);
-  auto const images = [&](Boundary boundary, double length) {
-    double const farthest = 2 * model_.radius + 2 * skin_;
-    return boundary == Boundary::periodic && length < 2 * farthest ? 1 : 0;
-  };
-  auto const inner = [&](Boundary boundary, double length) {
-    if (boundary == Boundary::walls)
-      return std::numeric_limits<Real>::infinity();
-    double const reach = 1.001 * (2 * model_.radius + skin_);
-    return images(boundary, length) > 0 ? Real(0) : static_cast<Real>(length / 2 - reach);
-  };
-  return {Domain<Real, periodic>(box),
-          diameter * diameter,
-          static_cast<Real>(model_.gravity),
-          limits.x,
-          limits.y,
-          static_cast<Real>(box.width),
-          static_cast<Real>(box.height),
-          images(box.x, box.width),
-          images(box.y, box.height),
-          inner(box.x, box.width),
-          inner(box.y, box.height),
-          static_cast<Real>(end),
-          static_cast<Real>(allowance)};
-}
-
-/// Begins an interval: sorts the discs, builds their lists of neighbours and predicts how each
-/// flight ends.
-template <class Space, class Real>
-template <bool periodic>
-Window<Space, Real, periodic> EventDriven<Space, Real>::take_off()
-{
-  ProfilingRegion const region("ricochet::take_off");
-  grid_.sort(space_, discs_, Inside::by_id);
-  auto const found = inspection_.extremes(space_, discs_);
-  double const speed = std::sqrt(found.speed2), diameter = 2 * model_.radius;
-  double const unit_speed = std::max(speed, std::sqrt(std::fabs(model_.gravity) * diameter));
-  shortest_window_ = unit_speed > 0 ? 1e-6 * diameter / unit_speed : dt_;
-
-  Window<Space, Real, periodic> window{
-      memory_,
-      lists_,
-      discs_,
-      Neighbours<Space, Real, periodic>(discs_, grid_.cells(), model_.box),
-      static_cast<Real>(diameter + skin_),
-      arena<periodic>(speed),
-      0};
-  // Nor can a window be shorter than the rounding of times allows.
-  double const rounding = static_cast<double>(std::numeric_limits<Real>::epsilon());
-  shortest_window_ =
-      std::max(shortest_window_, 4 * rounding * static_cast<double>(window.arena.end));
-  Real closest2 = 0;
-  Kokkos::parallel_reduce("ricochet::take_off", Range<Space>(space_, 0, discs_.count()),
-                          TakeOff<Space, Real, periodic>{window}, Kokkos::Min<Real>(closest2));
-  inspection_.note(found, std::sqrt(closest2));
-  return window;
+  constexpr double root_of_pi = 1.7724538509055160;
+  double const packing = packing_fraction(model_, static_cast<std::size_t>(n));
+  double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
+  double const rate =
+      8 * packing / (root_of_pi * diameter) * contact_value * std::sqrt(mean_square_speed() / 2);
+  window_ = rate > 0 ? 2 * events_aimed_at() / (rate * n) : dt_;
 }
 
 template <class Space, class Real>
-template <bool periodic>
-void EventDriven<Space, Real>::land(Window<Space, Real, periodic> const& window)
+double EventDriven<Space, Real>::mean_square_speed() const
 {
-  Kokkos::parallel_for("ricochet::land", Range<Space>(space_, 0, discs_.count()),
-                       Land<Space, Real, periodic>{window});
-}
-
-template <class Space, class Real>
-template <bool periodic>
-void EventDriven<Space, Real>::form_islands(Window<Space, Real, periodic> const& window)
-{
-  Kokkos::deep_copy(space_, memory_.counts, typename WindowMemory<Space, Real>::Counts{});
-  using Due = ListDue<Space, Real, periodic>;
-  Kokkos::parallel_for("ricochet::list_due",
-                       Range<Space>(space_, 0, blocks_of(Due::block, discs_.count())), Due{window});
-  counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::find_meetings", Range<Space>(space_, 0, counts_.members),
-                       FindMeetings<Space, Real, periodic>{window});
-  counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::form_islands", Range<Space>(space_, 0, counts_.members),
-                       FormIslands<Space, Real, periodic>{window});
+  auto const discs = discs_;
+  double const scale = power_scale(speed_ * speed_); // a function of the state, too
+  Kokkos::parallel_reduce(
+      "ricochet::mean_square_speed", Range<Space>(space_, 0, discs.count()),
+      KOKKOS_LAMBDA(int i, ExactSum& sum) {
+        auto const v = as<double>(discs.velocity(i));
+        sum.add(dot(v, v), scale);
+      },
+      Merge<ExactSum, Space>(sum_));
+  return value_after(space_, sum_).value(scale) / std::max(discs_.count(), 1);
 }
 
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass)
+                                                       int pass, int members)
 {
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
+  Range<Space> const range(space_, 0, members);
+  if (pass > 1)
+    Kokkos::parallel_for("ricochet::empty_islands", range,
+                         EmptyIslands<Space, Real, periodic>{window});
+  Kokkos::parallel_for("ricochet::form_islands", range, FormIslands<Space, Real, periodic>{window});
   std::visit(
       [&](auto const& law) {
         using ThisLaw = std::decay_t<decltype(law)>;
-        Kokkos::parallel_reduce("ricochet::evolve_islands",
-                                Range<Space>(space_, 0, counts_.members),
+        Kokkos::parallel_reduce("ricochet::evolve_islands", range,
                                 EvolveIslands<Space, Real, periodic, ThisLaw>{
                                     window, law, wall_rule, pass, largest_island_},
                                 Merge<Outcome<Real>, Space>(outcome_));
@@ -400,47 +311,41 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
 
 template <class Space, class Real>
 template <bool periodic>
-void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass)
+void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass,
+                                              int members)
 {
-  Kokkos::parallel_for("ricochet::verify_islands", Range<Space>(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::verify_islands", Range<Space>(space_, 0, members),
                        VerifyIslands<Space, Real, periodic>{window, pass});
-  counts_ = read_counts();
-}
-
-template <class Space, class Real>
-template <bool periodic>
-void EventDriven<Space, Real>::form_grown_islands(Window<Space, Real, periodic> const& window)
-{
-  counts_.joints = 0;
-  Kokkos::deep_copy(space_, memory_.counts, counts_);
-  Range<Space> const members(space_, 0, counts_.members);
-  Kokkos::parallel_for("ricochet::mark_grown_islands", members,
-                       MarkGrownIslands<Space, Real, periodic>{window});
-  Kokkos::parallel_for("ricochet::count_evolved_parts", members,
-                       CountEvolvedParts<Space, Real, periodic>{window});
-  Kokkos::parallel_for("ricochet::form_grown_islands", members,
-                       FormIslands<Space, Real, periodic>{window});
 }
 
 template <class Space, class Real>
 template <bool periodic>
 void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window)
 {
-  Range<Space> const members(space_, 0, counts_.members);
-  Kokkos::parallel_for("ricochet::predict_between_islands", members,
-                       PredictBetweenIslands<Space, Real, periodic>{window});
-  Kokkos::parallel_reduce("ricochet::commit_islands", members,
-                          CommitIslands<Space, Real, periodic>{window, books_.scales()},
-                          Merge<Books, Space>(part_));
-  enter<Space>(space_, books_.view(), part_);
+  with_landing(discs_, model_, static_cast<double>(window.arena.end), [&](auto const& land) {
+    using Commit = CommitIslands<Space, Real, periodic, std::decay_t<decltype(land)>>;
+    Kokkos::parallel_reduce("ricochet::commit_islands", Range<Space>(space_, 0, window.m.blocks()),
+                            Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
+                            Merge<Happened, Space>(search_.happened()));
+  });
+  enter_happened(space_, search_.memory(), search_.happened(), books_.view());
+}
+
+template <class Space, class Real>
+void EventDriven<Space, Real>::fly(double length)
+{
+  with_landing(discs_, model_, length, [&](auto const& land) {
+    Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
+  });
+  speed_ += std::fabs(model_.gravity) * length;
+  search_.end(length, false);
 }
 
 template <class Space, class Real>
 template <bool periodic>
-void EventDriven<Space, Real>::dissolve_islands(Window<Space, Real, periodic> const& window)
+void EventDriven<Space, Real>::dissolve(Window<Space, Real, periodic> const& window)
 {
-  counts_ = read_counts();
-  Kokkos::parallel_for("ricochet::dissolve_islands", Range<Space>(space_, 0, counts_.members),
+  Kokkos::parallel_for("ricochet::dissolve_islands", Range<Space>(space_, 0, window.m.blocks()),
                        DissolveIslands<Space, Real, periodic>{window});
 }
 
@@ -465,7 +370,7 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
 template <class Space, class Real>
 Report EventDriven<Space, Real>::report()
 {
-  inspection_.look(space_, grid_, discs_);
+  search_.inspect(space_, discs_, inspection_, window_);
   auto report = books_.report(space_, discs_);
   report.windows = windows_;
   inspection_.enter(report);

@@ -2,34 +2,16 @@
 // that no two islands touch. kernels/README.md gives the argument; events.hpp calls these kernels
 // in order.
 //
-// Every disc is in one of two places: `flights` holds all discs as the window begins and is not
-// written while it lasts; `trial` holds the members of islands as far as they have been evolved.
-// Only the thread of an island writes its members' trials, so nothing depends on scheduling: lists
-// may be filled in any order because every choice among their entries has one answer.
+// Every disc is in one of two places: `discs` holds all lines as the window begins and is not
+// written while it lasts; `member` holds the members of islands as far as they have been evolved.
+// Only the thread of an island writes its members, so nothing depends on scheduling: lists may be
+// filled in any order because every choice among their entries has one answer.
 #pragma once
 
-#include "ricochet/contacts.hpp"
-#include "ricochet/events_flight.hpp"
 #include "ricochet/islands.hpp"
+#include "ricochet/landing.hpp"
 
 namespace ricochet {
-
-/// For discs that have had events, the slots of all discs that they can meet in the interval: the
-/// first count(i) entries of row i. Lists are written when they are first needed.
-template <class Space>
-struct NeighbourLists {
-  static constexpr int longest = 16; ///< discs with more neighbours have no list; they search
-  static constexpr int unknown = -1; ///< number of neighbours before the first search
-
-  Kokkos::View<int* [longest], Space> slot;
-  Kokkos::View<int*, Space> count;
-
-  explicit NeighbourLists(int n)
-    : slot(uninitialised<decltype(slot)>("ricochet::neighbours", n)),
-      count(uninitialised<decltype(count)>("ricochet::neighbour_count", n))
-  {
-  }
-};
 
 /// What has happened in an island.
 struct IslandEvents {
@@ -39,7 +21,33 @@ struct IslandEvents {
   KOKKOS_INLINE_FUNCTION int events() const { return collisions + wall_hits; }
 };
 
-/// A flight that ended inside the window, and the entry of the one before it.
+/// The free flight of a disc from a contact on, in the falling frame. Unlike a line, it says where
+/// the contact was without rounding.
+template <class Real>
+struct Flight {
+  Vec2<Real> place; ///< at `since`
+  Vec2<Real> velocity;
+  Real since;
+
+  KOKKOS_INLINE_FUNCTION Vec2<Real> at(Real time) const
+  {
+    return place + (time - since) * velocity;
+  }
+  KOKKOS_INLINE_FUNCTION Line<Real> line() const { return {place - since * velocity, velocity}; }
+};
+
+/// A member of an island, as far as the island has been evolved. It fills a line of the cache.
+template <class Real>
+struct alignas(64) Member {
+  Flight<Real> flight;
+  Real due; ///< when its next event is, if nobody else interferes
+  int with; ///< with whom, see `partner`
+  int met;  ///< slot of the disc that it met last, or `partner::none`
+  int past; ///< latest entry of the log, or none
+  int pass; ///< in which this flight began; 0 if the window began with it
+};
+
+/// A flight between two contacts, and the entry of the one before it.
 template <class Real>
 struct PastFlight {
   Flight<Real> flight;
@@ -60,329 +68,160 @@ struct Stuck {
 template <class Real>
 struct Outcome {
   int too_large = 0; ///< islands that were left alone because of their size
-  Real leaves = std::numeric_limits<Real>::infinity(); ///< first time a disc leaves its lists
-  Stuck<Real> stuck;                                   ///< of several, the one with the lowest id
+  int unlogged = 0;  ///< entries that were missing in the log
+  double speed2 = 0; ///< square of the largest speed that came of a contact
+  Stuck<Real> stuck; ///< of several, the one with the lowest id
 
   KOKKOS_INLINE_FUNCTION void merge(Outcome const& other)
   {
     too_large += other.too_large;
-    leaves = other.leaves < leaves ? other.leaves : leaves;
+    unlogged += other.unlogged;
+    speed2 = other.speed2 > speed2 ? other.speed2 : speed2;
     if (other.stuck.first < stuck.first)
       stuck = other.stuck;
   }
 };
 
-/// All memory of the windows, by slot unless it says otherwise.
+/// Memory of the islands, by slot unless it says otherwise. Between windows no disc is in one.
 template <class Space, class Real>
-struct WindowMemory {
+struct IslandMemory {
   template <class Value>
   using List = Kokkos::View<Value*, Space>;
 
-  List<Flight<Real>> flights;         ///< as the window begins
-  List<Prediction<Real>> predictions; ///< how those flights end; may be void, never too late
-  List<Flight<Real>> trial;           ///< members of islands: as far as they are evolved
-  List<Prediction<Real>> trial_predictions;
-  List<int> past;             ///< members: latest entry of `log`, or -1
-  List<PastFlight<Real>> log; ///< in any order
-  Forest<Space> forest;       ///< its trees are the islands to be; nodes are slots
-  Chains<Space> chains;       ///< by root: the members of its island
-  List<int> marks;            ///< bits, see `mark`
-  List<int> finished;         ///< by root: pass in which the island reached the end, or 0
-  List<int> evolved;          ///< by root of a grown island: how many of its parts are islands
+  List<Member<Real>> member;
+  List<int> island;     ///< root of the island of a disc, or `partner::none`; longer, as discs are
+  Forest<Space> forest; ///< its trees are the islands to be; nodes are slots
+  Chains<Space> chains; ///< by root: the members of its island
   List<IslandEvents> tallies; ///< by root
-  List<int> members;          ///< all discs in islands, and some that turned out not to be
+  List<PastFlight<Real>> log; ///< in any order
+  Kokkos::View<int, Space> logged;
 
-  struct Counts {
-    int members = 0; ///< entries of that list
-    int log = 0;     ///< entries of the log, or more if it is too short
-    int joints = 0;  ///< pairs in this pass that join islands
-  };
-  Kokkos::View<Counts, Space> counts;
-
-  explicit WindowMemory(int n)
-    : flights("ricochet::flights", n),
-      predictions("ricochet::predictions", n),
-      trial("ricochet::trial_flights", n),
-      trial_predictions("ricochet::trial_predictions", n),
-      past(uninitialised<List<int>>("ricochet::past_flight", n)),
-      log("ricochet::past_flights", n / 8 + 1024),
+  explicit IslandMemory(Space const& space, int n)
+    : member("ricochet::members", n),
+      island(uninitialised<List<int>>("ricochet::island", n + Discs<Space, Real>::padding)),
       forest(n),
       chains(n, n),
-      marks(uninitialised<List<int>>("ricochet::island_marks", n)),
-      finished(uninitialised<List<int>>("ricochet::island_finished", n)),
-      evolved(uninitialised<List<int>>("ricochet::evolved_parts", n)),
       tallies("ricochet::island_tally", n),
-      members(uninitialised<List<int>>("ricochet::island_members", n)),
-      counts("ricochet::window_counts")
+      log("ricochet::past_flights", n / 16 + 1024),
+      logged("ricochet::logged")
   {
+    Kokkos::deep_copy(space, island, partner::none);
+    auto const trees = forest;
+    auto const lists = chains;
+    Kokkos::parallel_for(
+        "ricochet::begin_islands", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
+          trees.reset(i);
+          lists.reset(i);
+        });
   }
 };
-
-namespace mark {
-constexpr int member = 1;    ///< of an island
-constexpr int listed = 2;    ///< in `members`
-constexpr int touched = 4;   ///< has met a disc of another island in this pass
-constexpr int contested = 8; ///< is a neighbour of a disc in another island
-} // namespace mark
 
 /// What all kernels of a window work on.
 template <class Space, class Real, bool periodic>
-struct Window {
-  WindowMemory<Space, Real> m;
-  NeighbourLists<Space> lists;
-  Discs<Space, Real> discs;                     ///< as the interval began
-  Neighbours<Space, Real, periodic> neighbours; ///< then
-  Real reach;                                   ///< within which discs can meet in the interval
-  Arena<Real, periodic> arena;
-  Real end; ///< of the window
+struct Window : Lines<Space, Real, periodic> {
+  IslandMemory<Space, Real> islands;
 
-  /// How the flight of disc i ends if it meets no other disc.
-  KOKKOS_INLINE_FUNCTION Prediction<Real> alone(int i, Flight<Real> const& flight) const
+  Window(Lines<Space, Real, periodic> const& lines, IslandMemory<Space, Real> const& memory)
+    : Lines<Space, Real, periodic>(lines), islands(memory)
   {
-    auto const wall = arena.next_wall(flight);
-    Real const leaves = arena.leaving(flight, discs.position(i));
-    return leaves < wall.due ? Prediction<Real>{leaves, partner::leaves, 0} : wall;
   }
 
-  /// Of two ways in which a flight can end, the second being to meet disc j at `time`, the one to
-  /// come first; of simultaneous ones a disc before a wall, and of discs the lower id.
-  KOKKOS_INLINE_FUNCTION void consider(Real time, int j, int flight, Prediction<Real>& first) const
+  KOKKOS_INLINE_FUNCTION int island(int i) const { return islands.island(i); }
+  KOKKOS_INLINE_FUNCTION Member<Real>& member(int i) const { return islands.member(i); }
+
+  /// The flight of a disc that the window began with.
+  KOKKOS_INLINE_FUNCTION Flight<Real> first_flight(int i) const
   {
-    if (time < first.due || (time == first.due && is_before(j, first.with)))
-      first = {time, j, flight};
+    return {this->discs.position(i), this->discs.velocity(i), Real(0)};
   }
 
-  KOKKOS_INLINE_FUNCTION bool is_before(int j, int with) const
+  /// Whether a disc has had a contact in this window.
+  KOKKOS_INLINE_FUNCTION bool is_deflected(int i) const
   {
-    if (with < 0)
-      return with == partner::wall_x || with == partner::wall_y;
-    return discs.id(j) < discs.id(with);
+    return island(i) >= 0 && member(i).pass > 0;
   }
 
-  /// How the flight `mine` of disc i ends, where flight_of(j) is that of disc j.
-  template <class FlightOf>
-  KOKKOS_INLINE_FUNCTION Prediction<Real> predict(int i, Flight<Real> const& mine,
-                                                  FlightOf const& flight_of) const
+  /// Calls use(flight, to) for the flights of a disc that began with a contact, the last first,
+  /// while it returns true; `to` is when they end. Returns whether it always did.
+  template <class Use>
+  KOKKOS_INLINE_FUNCTION bool for_each_new_flight(int i, Use const& use) const
   {
-    auto first = alone(i, mine);
-    bool const inner = arena.is_inner(discs.position(i));
-    for_each_neighbour(i, [&](int j) {
-      Flight<Real> const& other = flight_of(j);
-      bool const met = mine.met == j && other.met == i;
-      consider(arena.meeting(mine, other, inner, met, first.due), j, other.number, first);
-    });
-    return first;
+    if (!is_deflected(i))
+      return true;
+    auto const& own = member(i);
+    if (!use(own.flight, this->arena.end))
+      return false;
+    Real to = own.flight.since;
+    for (int entry = own.past; entry >= 0; entry = islands.log(entry).before) {
+      auto const& past = islands.log(entry).flight;
+      if (!use(past, to))
+        return false;
+      to = past.since;
+    }
+    return true;
   }
 
-  /// Calls visit(j) for every disc that disc i can meet in the interval. One thread at a time may
-  /// do so for a disc.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_neighbour(int i, Visit const& visit) const
+  /// When discs on these flights meet, if not clearly after the window.
+  KOKKOS_INLINE_FUNCTION Real meeting_of(Flight<Real> const& a, Flight<Real> const& b,
+                                         bool met) const
   {
-    if (lists.count(i) == lists.unknown)
-      write_list(i);
-    int const count = lists.count(i);
-    if (count <= lists.longest)
-      for (int k = 0; k < count; ++k)
-        visit(lists.slot(i, k));
-    else
-      neighbours.for_each_within(discs.position(i), reach, [&](int j, Vec2<Real>) {
-        if (j != i)
-          visit(j);
-      });
+    Real const from = a.since > b.since ? a.since : b.since;
+    return this->meeting(b.at(from) - a.at(from), b.velocity - a.velocity, from, met);
   }
 
-  KOKKOS_FUNCTION void write_list(int i) const
-  {
-    int count = 0;
-    auto const note = [&](int j) {
-      if (j == i)
-        return;
-      if (count < lists.longest)
-        lists.slot(i, count) = j;
-      ++count;
-    };
-    auto const p = discs.position(i);
-    Real const *const x = discs.x.data(), *const y = discs.y.data(), reach2 = reach * reach;
-    arena.with_ends(p, [&](auto const& ends) {
-      auto const domain = ends;
-      auto const is_near = [=](int j) {
-        auto const d = domain.separation(p, {x[j], y[j]});
-        return dot(d, d) < reach2;
-      };
-      neighbours.template for_each_near_that<std::decay_t<decltype(ends)>::wraps>(
-          p, static_cast<double>(reach), 0, is_near, note);
-    });
-    lists.count(i) = count;
-  }
-
-  /// When two discs touch, if not clearly later than `limit`.
-  KOKKOS_INLINE_FUNCTION Real meeting(int i, Flight<Real> const& a, int j, Flight<Real> const& b,
-                                      Real limit) const
-  {
-    return arena.meeting(a, b, false, a.met == j && b.met == i, limit);
-  }
-
-  /// Gives a disc marks, and makes sure that it is listed among the members.
-  KOKKOS_INLINE_FUNCTION void enlist(int i, int marks) const
-  {
-    int const before = fetch_or<Space>(m.marks(i), marks | mark::member | mark::listed);
-    if ((before & mark::listed) == 0)
-      m.members(fetch_add<Space>(m.counts().members, 1)) = i;
-  }
-
-  /// Notes that discs i, a member of an island, and j, of another island or none, meet.
-  KOKKOS_INLINE_FUNCTION void join(int i, int j) const
-  {
-    m.forest.unite(i, j);
-    enlist(i, mark::touched);
-    enlist(j, mark::touched);
-    fetch_add<Space>(m.counts().joints, 1);
-  }
-
-  /// Puts a disc in the island of `root`.
-  KOKKOS_INLINE_FUNCTION void enter_island(int i, int root) const
-  {
-    m.flights(i).island = root;
-    m.trial(i).island = root;
-    m.chains.append(root, i);
-  }
-
-  /// Takes a member back to the beginning of the window.
-  KOKKOS_INLINE_FUNCTION void reset(int i) const
-  {
-    m.trial(i) = m.flights(i);
-    m.trial_predictions(i) = m.predictions(i);
-    m.past(i) = -1;
-  }
-
-  /// Takes a disc out of its island. Outside a window no disc is in one.
+  /// Takes a disc out of its island.
   KOKKOS_INLINE_FUNCTION void dissolve(int i) const
   {
-    m.flights(i).island = partner::none;
-    m.forest.reset(i);
-    m.chains.reset(i);
-    m.marks(i) = 0;
-    m.finished(i) = 0;
-    m.evolved(i) = 0;
-  }
-
-  KOKKOS_INLINE_FUNCTION bool is_contested(int i) const
-  {
-    return (*static_cast<int const volatile*>(&m.marks(i)) & mark::contested) != 0;
-  }
-  KOKKOS_INLINE_FUNCTION void contest(int i) const
-  {
-    if (!is_contested(i))
-      fetch_or<Space>(m.marks(i), mark::contested);
-  }
-
-  /// Whether a member's flight in this window is another than without its island.
-  KOKKOS_INLINE_FUNCTION bool changed(int i) const
-  {
-    return m.trial(i).number != m.flights(i).number;
+    islands.island(i) = partner::none;
+    islands.forest.reset(i);
+    islands.chains.reset(i);
   }
 };
 
-/// Begins an interval: every disc starts a flight and predicts how it ends. Each pair is looked at
-/// once, by the disc that comes first; one prediction of a meeting is enough. Reports the least
-/// distance of two discs, squared, among those that overlap or may meet.
+/// Those who meet, if nobody else interferes, are in one island; see FindAmongCandidates.
 template <class Space, class Real, bool periodic>
-struct TakeOff {
+struct UniteMeeting {
+  static constexpr bool happen = false; ///< the window may be given up
+
+  LineMemory<Space> m;
+  Forest<Space> forest;
+
+  KOKKOS_INLINE_FUNCTION void pair(int i, int k) const
+  {
+    forest.unite(i, k);
+    m.call_up(i, 1);
+    m.call_up(k, 1);
+  }
+  KOKKOS_INLINE_FUNCTION void wall(int i) const { m.call_up(i, 1); }
+};
+
+/// Empties the islands that have grown.
+template <class Space, class Real, bool periodic>
+struct EmptyIslands {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i, Real& closest2) const
+  KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
-    auto const p = w.discs.position(i), v = w.discs.velocity(i);
-    Flight<Real> const flight{p, v, Real(0), 0, partner::none, partner::none};
-    auto first = w.alone(i, flight);
-    Real least = closest2;
-    Real const reach2 = w.reach * w.reach;
-    auto const consider = [&](int j) {
-      auto const d = w.arena.domain.separation(p, w.discs.position(j));
-      Real const distance2 = dot(d, d);
-      least = distance2 < least ? distance2 : least;
-      if (distance2 < reach2)
-        w.consider(w.arena.time_to_touch(d, w.discs.velocity(j) - v, false, first.due), j, 0,
-                   first);
-    };
-    w.arena.with_ends(p, [&](auto const& ends) {
-      using Ends = std::decay_t<decltype(ends)>;
-      MayMeet<Real, Ends, true> const may_meet(
-          w.discs.x.data(), w.discs.y.data(), w.discs.vx.data(), w.discs.vy.data(), ends, p, v, 0,
-          w.arena.diameter2, first.due, w.arena.images_x + w.arena.images_y > 0);
-      w.neighbours.template for_each_near_that<Ends::wraps>(p, static_cast<double>(w.reach), i + 1,
-                                                            may_meet, consider);
-    });
-    closest2 = least;
-    w.lists.count(i) = w.lists.unknown;
-    w.m.flights(i) = flight;
-    w.m.predictions(i) = first;
-    w.dissolve(i);
+    w.islands.chains.reset(w.m.list(place));
   }
 };
 
-/// Ends an interval: every disc is where its flight is at the end of the last window.
+/// Puts the members of the islands of this pass where the window began, and into their islands.
 template <class Space, class Real, bool periodic>
-struct Land {
+struct FormIslands {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i) const
+  KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
-    auto const& f = w.m.flights(i);
-    w.discs.set_position(i, w.arena.domain.wrapped(w.arena.lab_position(f.at(w.end), w.end)));
-    w.discs.set_velocity(i, w.arena.lab_velocity(f.velocity, w.end));
+    int const i = w.m.list(place), root = w.islands.forest.root(i);
+    w.member(i) = {w.first_flight(i), Real(0), partner::none, partner::none, partner::none, 0};
+    w.islands.island(i) = root;
+    w.islands.chains.append(root, i);
   }
 };
 
-/// Lists the discs whose predictions are due in the window, a block of discs at a time.
-template <class Space, class Real, bool periodic>
-struct ListDue {
-  static constexpr int block = 64;
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int b) const
-  {
-    int const n = static_cast<int>(w.m.predictions.extent(0));
-    int count = 0;
-    for_each_in_block(b, block, n, [&](int i) { count += w.m.predictions(i).due < w.end ? 1 : 0; });
-    if (count == 0)
-      return;
-    int entry = fetch_add<Space>(w.m.counts().members, count);
-    for_each_in_block(b, block, n, [&](int i) {
-      if (w.m.predictions(i).due < w.end) {
-        w.m.members(entry++) = i;
-        w.m.marks(i) = mark::listed;
-      }
-    });
-  }
-};
-
-/// Renews those predictions that are void, and unites the discs that meet.
-template <class Space, class Real, bool periodic>
-struct FindMeetings {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k);
-    auto& next = w.m.predictions(i);
-    auto const& flights = w.m.flights;
-    if (next.with >= 0 && flights(next.with).number != next.flight)
-      next = w.predict(i, flights(i), [&](int j) -> Flight<Real> const& { return flights(j); });
-    if (!(next.due < w.end))
-      return;
-    fetch_or<Space>(w.m.marks(i), mark::member);
-    if (next.with >= 0) {
-      w.m.forest.unite(i, next.with);
-      w.enlist(next.with, 0);
-    }
-  }
-};
-
-/// Evolves an island from the beginning of the window to its end, event by event, in the order of
-/// time; of simultaneous events the one of the lowest ids is first. An island that meets a disc
-/// outside it, or is not for this kernel, is left unfinished.
+/// Evolves an island from the beginning of the window to its end as if no other discs existed,
+/// event by event, in the order of time; of simultaneous events the one of the lowest ids is first.
 template <class Space, class Real, bool periodic, class Law>
 struct EvolveIslands {
   Window<Space, Real, periodic> w;
@@ -391,82 +230,76 @@ struct EvolveIslands {
   int pass;
   int largest; ///< islands with more members are left alone
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k, Outcome<Real>& outcome) const
+  KOKKOS_INLINE_FUNCTION void operator()(int place, Outcome<Real>& outcome) const
   {
-    int const root = w.m.members(k);
-    if (w.m.flights(root).island != root || w.m.finished(root) != 0)
+    int const root = w.m.list(place);
+    if (w.island(root) != root)
       return;
     int size = 0;
-    w.m.chains.for_each(root, [&](int) { ++size; });
+    w.islands.chains.for_each(root, [&](int) { ++size; });
     if (size > largest) {
       ++outcome.too_large;
       return;
     }
-    IslandEvents& tally = w.m.tallies(root);
+    w.islands.chains.for_each(root, [&](int i) { choose_next(root, i); });
+    IslandEvents tally;
     for (;;) {
       int const i = earliest(root);
-      Prediction<Real> const next = w.m.trial_predictions(i);
-      if (!(next.due < w.end))
+      auto const& next = w.member(i);
+      if (!(next.due < w.arena.end))
         break;
-      if (next.with == partner::leaves) {
-        outcome.leaves = next.due < outcome.leaves ? next.due : outcome.leaves;
-        return;
-      }
-      if (is_void(root, next)) {
-        predict(root, i);
-        continue;
-      }
-      if (next.with >= 0 && w.m.flights(next.with).island != root) {
-        w.join(i, next.with);
-        return;
-      }
       if (tally.events() >= 32 + 16 * size) {
-        note_stuck(i, next, outcome);
+        note_stuck(i, outcome);
         return;
       }
       if (next.with >= 0)
-        collide(root, i, next.with, next.due, tally);
+        collide(root, i, next.with, next.due, tally, outcome);
       else
-        hit_wall(root, i, next, tally);
+        hit_wall(root, i, tally, outcome);
     }
-    w.m.finished(root) = pass;
+    w.islands.tallies(root) = tally;
   }
 
  private:
-  /// The present flight of a disc as its island sees it: those outside it fly freely.
-  KOKKOS_INLINE_FUNCTION Flight<Real> const& flight(int root, int j) const
+  /// Determines the next event of a member.
+  KOKKOS_INLINE_FUNCTION void choose_next(int root, int i) const
   {
-    auto const& outside = w.m.flights(j);
-    return outside.island == root ? w.m.trial(j) : outside;
-  }
-
-  KOKKOS_INLINE_FUNCTION bool is_void(int root, Prediction<Real> const& p) const
-  {
-    return p.with >= 0 && flight(root, p.with).number != p.flight;
-  }
-
-  KOKKOS_INLINE_FUNCTION void predict(int root, int i) const
-  {
-    bool contested = false;
-    w.m.trial_predictions(i) = w.predict(i, w.m.trial(i), [&](int j) -> Flight<Real> const& {
-      auto const& outside = w.m.flights(j);
-      if (outside.island == root)
-        return w.m.trial(j);
-      if (outside.island >= 0) {
-        contested = true;
-        w.contest(j);
-      }
-      return outside;
+    auto& own = w.member(i);
+    auto const& f = own.flight;
+    auto next = w.arena.next_wall(f.place, f.velocity, f.since);
+    w.islands.chains.for_each(root, [&](int j) {
+      if (j == i)
+        return;
+      auto const& other = w.member(j);
+      Real const time = w.meeting_of(f, other.flight, own.met == j && other.met == i);
+      if (time < next.due || (time == next.due && is_before_with(j, next.with)))
+        next = {time, j};
     });
-    if (contested)
-      w.contest(i);
+    own.due = next.due;
+    own.with = next.with;
   }
 
-  /// The member whose flight ends first.
+  KOKKOS_INLINE_FUNCTION bool is_before_with(int j, int with) const
+  {
+    return with < 0 ? with != partner::none : w.discs.id(j) < w.discs.id(with);
+  }
+
+  /// Determines the next events of all whom the new flight of disc i concerns. Who will meet it
+  /// sooner than anybody else need not know: one of the two is enough.
+  KOKKOS_INLINE_FUNCTION void choose_again(int root, int i) const
+  {
+    choose_next(root, i);
+    w.islands.chains.for_each(root, [&](int j) {
+      if (w.member(j).with == i && j != i)
+        choose_next(root, j);
+    });
+  }
+
+  /// The member whose event is first.
   KOKKOS_INLINE_FUNCTION int earliest(int root) const
   {
-    int first = w.m.chains.first(root);
-    w.m.chains.for_each(root, [&](int i) {
+    int first = w.islands.chains.first(root);
+    w.islands.chains.for_each(root, [&](int i) {
       if (is_before(i, first))
         first = i;
     });
@@ -476,7 +309,7 @@ struct EvolveIslands {
   /// Order of events: by time; then pairs before walls, the lower id first, and the other one's.
   KOKKOS_INLINE_FUNCTION bool is_before(int a, int b) const
   {
-    auto const &p = w.m.trial_predictions(a), &q = w.m.trial_predictions(b);
+    auto const &p = w.member(a), &q = w.member(b);
     if (p.due != q.due)
       return p.due < q.due;
     if ((p.with >= 0) != (q.with >= 0))
@@ -489,66 +322,80 @@ struct EvolveIslands {
     return a_low != b_low ? a_low < b_low : a1 + a2 < b1 + b2;
   }
 
-  KOKKOS_INLINE_FUNCTION void collide(int root, int i, int j, Real time, IslandEvents& tally) const
+  /// Place and velocity of a member in the lab.
+  KOKKOS_INLINE_FUNCTION Motion<Real> motion(int i, Real time) const
   {
-    auto const &a = w.m.trial(i), &b = w.m.trial(j);
-    auto const p = a.at(time), q = b.at(time);
-    auto const d = w.arena.domain.separation(p, q);
-    PairVelocity<Real> const before{w.arena.lab_velocity(a.velocity, time),
-                                    w.arena.lab_velocity(b.velocity, time)};
+    auto const& f = w.member(i).flight;
+    return {w.arena.lab_position(f.at(time), time), w.arena.lab_velocity(f.velocity, time)};
+  }
+
+  KOKKOS_INLINE_FUNCTION void collide(int root, int i, int j, Real time, IslandEvents& tally,
+                                      Outcome<Real>& outcome) const
+  {
+    int const first = w.discs.id(i) < w.discs.id(j) ? i : j, second = first == i ? j : i;
+    auto a = motion(first, time), b = motion(second, time);
+    auto const d = w.arena.domain.separation(a.place, b.place);
+    PairVelocity<Real> const before{a.velocity, b.velocity};
     auto const after = law(contact_normal(d, static_cast<Real>(sqrt(dot(d, d)))), before);
     ++tally.collisions;
     tally.lost_pairs += (kinetic_energy(before.first) + kinetic_energy(before.second)) -
                         (kinetic_energy(after.first) + kinetic_energy(after.second));
     tally.virial += virial_of(before, after, d);
-    begin_flight(i, p, after.first, time, j);
-    begin_flight(j, q, after.second, time, i);
-    predict(root, i);
-    predict(root, j);
+    begin_flight(first, {a.place, after.first}, time, second, outcome);
+    begin_flight(second, {b.place, after.second}, time, first, outcome);
+    choose_again(root, i);
+    choose_again(root, j);
   }
 
-  KOKKOS_INLINE_FUNCTION void hit_wall(int root, int i, Prediction<Real> const& next,
-                                       IslandEvents& tally) const
+  KOKKOS_INLINE_FUNCTION void hit_wall(int root, int i, IslandEvents& tally,
+                                       Outcome<Real>& outcome) const
   {
-    Real const time = next.due;
-    auto p = w.m.trial(i).at(time);
-    auto const before = w.arena.lab_velocity(w.m.trial(i).velocity, time);
-    Vec2<Real> after;
-    if (next.with == partner::wall_x) {
-      after = {wall_rule.normal(before.x), wall_rule.tangential(before.y)};
-      p.x = before.x < 0 ? -w.arena.wall_x : w.arena.wall_x;
+    Real const time = w.member(i).due;
+    auto now = motion(i, time);
+    auto const v = now.velocity;
+    if (w.member(i).with == partner::wall_x) {
+      now.place.x = v.x < 0 ? -w.arena.wall_x : w.arena.wall_x;
+      now.velocity = {wall_rule.normal(v.x), wall_rule.tangential(v.y)};
     } else {
-      after = {wall_rule.tangential(before.x), wall_rule.normal(before.y)};
-      bool const floor = before.y < 0 || (before.y == 0 && w.arena.gravity > 0);
-      p.y = (floor ? -w.arena.wall_y : w.arena.wall_y) + w.arena.gravity * time * time / 2;
+      bool const floor = v.y < 0 || (v.y == 0 && w.arena.gravity > 0);
+      now.place.y = floor ? -w.arena.wall_y : w.arena.wall_y;
+      now.velocity = {wall_rule.tangential(v.x), wall_rule.normal(v.y)};
     }
     ++tally.wall_hits;
-    tally.lost_walls += kinetic_energy(before) - kinetic_energy(after);
-    begin_flight(i, p, after, time, partner::none);
-    predict(root, i);
+    tally.lost_walls += kinetic_energy(v) - kinetic_energy(now.velocity);
+    begin_flight(i, now, time, partner::none, outcome);
+    choose_again(root, i);
   }
 
-  /// A disc flies on with another velocity, given in the lab. Of its flights, the first is kept in
-  /// `flights` and the present one in `trial`; those between go to the log.
-  KOKKOS_INLINE_FUNCTION void begin_flight(int i, Vec2<Real> position, Vec2<Real> velocity,
-                                           Real time, int met) const
+  /// A member flies on from where it is `now`, in the lab. The first of its flights is kept in
+  /// `discs` and the present one in `member`; those between go to the log.
+  KOKKOS_INLINE_FUNCTION void begin_flight(int i, Motion<Real> const& now, Real time, int met,
+                                           Outcome<Real>& outcome) const
   {
-    auto& f = w.m.trial(i);
-    if (w.changed(i)) {
-      int const entry = fetch_add<Space>(w.m.counts().log, 1);
-      if (entry < static_cast<int>(w.m.log.extent(0))) {
-        w.m.log(entry) = {f, w.m.past(i)};
-        w.m.past(i) = entry;
+    auto& own = w.member(i);
+    if (own.pass > 0) {
+      int const entry = fetch_add<Space>(w.islands.logged(), 1);
+      if (entry < static_cast<int>(w.islands.log.extent(0))) {
+        w.islands.log(entry) = {own.flight, own.past};
+        own.past = entry;
+      } else {
+        ++outcome.unlogged;
       }
     }
-    f = {position, {velocity.x, velocity.y + w.arena.gravity * time}, time, f.number + 1, met,
-         f.island};
+    Real const g = w.arena.gravity;
+    own.flight = {{now.place.x, now.place.y + g * time * time / 2},
+                  {now.velocity.x, now.velocity.y + g * time},
+                  time};
+    own.met = met;
+    own.pass = pass;
+    auto const v = as<double>(own.flight.velocity);
+    outcome.speed2 = dot(v, v) > outcome.speed2 ? dot(v, v) : outcome.speed2;
   }
 
-  KOKKOS_INLINE_FUNCTION void note_stuck(int i, Prediction<Real> const& next,
-                                         Outcome<Real>& outcome) const
+  KOKKOS_INLINE_FUNCTION void note_stuck(int i, Outcome<Real>& outcome) const
   {
-    auto const p = w.arena.lab_position(w.m.trial(i).at(next.due), next.due);
+    auto const& next = w.member(i);
+    auto const p = motion(i, next.due).place;
     Outcome<Real> here;
     here.stuck = {w.discs.id(i), next.with >= 0 ? w.discs.id(next.with) : next.with, p.x, p.y,
                   next.due};
@@ -556,156 +403,151 @@ struct EvolveIslands {
   }
 };
 
-/// Compares the paths that discs have really taken with those of neighbours in other islands; where
-/// two meet, their islands are one.
+/// Compares the paths that discs have really taken with those of all around them outside their
+/// island; where two meet, their islands are one in the next pass. At the same time it lists the
+/// candidates that discs have on their new lines.
+///
+/// A path is also compared with the line that another disc began the window with, where that was
+/// on another then: in a later pass it may leave it later.
 template <class Space, class Real, bool periodic>
 struct VerifyIslands {
   Window<Space, Real, periodic> w;
   int pass;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
+  KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
-    int const i = w.m.members(k), island = w.m.flights(i).island;
-    if (island < 0 || w.m.finished(island) != pass || !w.is_contested(i) || !w.changed(i))
+    int const i = w.m.list(place);
+    if (!w.is_deflected(i))
       return;
-    w.for_each_neighbour(i, [&](int j) {
-      int const other = w.m.flights(j).island;
-      if (other >= 0 && other != island && w.m.finished(other) > 0 && w.changed(j) && meet(i, j))
-        w.join(i, j);
+    CandidateBatch<Space, Real> batch(w.m);
+    auto const& flight = w.member(i).flight;
+    auto const line = flight.line();
+    for_each_near(i, flight, w.until, [&](int k) {
+      if (k == i)
+        return;
+      if (w.island(k) != w.island(i) && touches(flight, w.arena.end, k))
+        join(i, k);
+      else if (w.lists_candidates())
+        list_candidate(i, line, k, batch);
+    });
+    if (w.lists_candidates())
+      w.list_wall(i, line, flight.since, batch);
+    batch.flush();
+    if (w.member(i).past >= 0)
+      verify_past(i);
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void verify_past(int i) const
+  {
+    w.for_each_new_flight(i, [&](Flight<Real> const& flight, Real to) {
+      if (flight.since < w.member(i).flight.since)
+        for_each_near(i, flight, to, [&](int k) {
+          if (k != i && w.island(k) != w.island(i) && touches(flight, to, k))
+            join(i, k);
+        });
+      return true;
+    });
+  }
+
+  /// Calls visit(k) for all discs that disc i may meet on a flight up to a time, if they are on the
+  /// lines that they began the window with, and for all in islands around it.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_near(int i, Flight<Real> const& flight, Real to,
+                                            Visit const& visit) const
+  {
+    int const* const island = w.islands.island.data();
+    w.arena.with_ends(flight.place, [&](auto const& ends) {
+      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+      auto const may_meet = w.template may_meet<false>(ends, flight.line(), flight.since, to);
+      auto const test = [=](int k) { return may_meet(k) | (island[k] >= 0); };
+      if (w.is_near)
+        w.neighbours.template for_each_around_that<across_ends>(w.cell(i), test, visit);
+      else
+        w.neighbours.template for_each_near_that<across_ends>(
+            flight.place, w.reach(flight.velocity, to - flight.since), 0, test, visit);
+    });
+  }
+
+  /// Whether a disc that is on a flight up to a time touches disc k of another island.
+  KOKKOS_INLINE_FUNCTION bool touches(Flight<Real> const& flight, Real to, int k) const
+  {
+    return w.meeting_of(flight, w.first_flight(k), false) < to ||
+           !w.for_each_new_flight(k, [&](Flight<Real> const& other, Real other_to) {
+             Real const until = other_to < to ? other_to : to;
+             return !(w.meeting_of(flight, other, false) < until);
+           });
+  }
+
+  KOKKOS_INLINE_FUNCTION void list_candidate(int i, Line<Real> const& line, int k,
+                                             CandidateBatch<Space, Real>& batch) const
+  {
+    Real const since = w.member(i).flight.since;
+    if (!w.is_deflected(k)) {
+      w.list_candidate(i, line, k, w.line(k), since, batch);
+      return;
+    }
+    auto const& other = w.member(k);
+    if (other.pass == pass && i > k)
+      return; // it lists this pair itself
+    Real const from = since > other.flight.since ? since : other.flight.since;
+    w.list_candidate(i, line, k, other.flight.line(), from, batch);
+  }
+
+  /// Notes that discs i and k, of different islands or one of none, meet.
+  KOKKOS_INLINE_FUNCTION void join(int i, int k) const
+  {
+    w.islands.forest.unite(i, k);
+    call_up_island(i);
+    call_up_island(k);
+  }
+
+  KOKKOS_INLINE_FUNCTION void call_up_island(int i) const
+  {
+    int const root = w.island(i);
+    if (root < 0)
+      w.m.call_up(i, pass + 1);
+    else if (w.m.call_up(root, pass + 1)) // or another thread does this
+      w.islands.chains.for_each(root, [&](int k) { w.m.call_up(k, pass + 1); });
+  }
+};
+
+/// Puts the discs on the lines of their last flights, enters the islands in the books and
+/// dissolves them, a block of discs at a time.
+template <class Space, class Real, bool periodic, class LandType>
+struct CommitIslands {
+  Window<Space, Real, periodic> w;
+  LandType land;
+  Outside outside;
+  double gravity;
+  Scales scales;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
+  {
+    auto& books = happened.books;
+    w.m.dismiss(b, [&](int i) {
+      if (w.is_deflected(i)) {
+        auto const line = w.member(i).flight.line();
+        w.discs.set_position(i, line.position);
+        w.discs.set_velocity(i, line.velocity);
+      }
+      if (w.island(i) == i)
+        enter(w.islands.tallies(i), books);
+      w.dissolve(i);
+      settle(land, i, outside, gravity, scales, books);
     });
   }
 
  private:
-  /// Calls use(flight, until) for every flight of a disc in this window, the last first, while use
-  /// returns true; returns whether it always did.
-  template <class Use>
-  KOKKOS_INLINE_FUNCTION bool for_each_flight(int i, Use const& use) const
+  KOKKOS_INLINE_FUNCTION void enter(IslandEvents const& tally, Books& books) const
   {
-    Real until = w.end;
-    if (!use(w.m.trial(i), until))
-      return false;
-    until = w.m.trial(i).since;
-    for (int entry = w.m.past(i); entry >= 0; entry = w.m.log(entry).before) {
-      if (!use(w.m.log(entry).flight, until))
-        return false;
-      until = w.m.log(entry).flight.since;
-    }
-    return use(w.m.flights(i), until);
-  }
-
-  KOKKOS_INLINE_FUNCTION bool meet(int i, int j) const
-  {
-    return !for_each_flight(i, [&](Flight<Real> const& a, Real a_until) {
-      return for_each_flight(j, [&](Flight<Real> const& b, Real b_until) {
-        Real const from = a.since > b.since ? a.since : b.since;
-        Real const until = a_until < b_until ? a_until : b_until;
-        return !(from < until && w.meeting(i, a, j, b, until) < until);
-      });
-    });
-  }
-};
-
-/// Prepares the roots of islands that have grown.
-template <class Space, class Real, bool periodic>
-struct MarkGrownIslands {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k);
-    if ((w.m.marks(i) & mark::touched) == 0)
+    books.lost_pairs.add(tally.lost_pairs, scales.energy);
+    books.virial.add(tally.virial, scales.virial);
+    books.collisions += tally.collisions;
+    if (tally.wall_hits == 0)
       return;
-    int const root = w.m.forest.root(i);
-    exchange<Space>(w.m.finished(root), 0);
-    exchange<Space>(w.m.chains.first(root), Chains<Space>::none);
-    exchange<Space>(w.m.evolved(root), 0);
-  }
-};
-
-/// Counts the islands in each grown island. The other parts are single discs.
-template <class Space, class Real, bool periodic>
-struct CountEvolvedParts {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k);
-    w.m.marks(i) &= ~mark::touched;
-    if (w.m.flights(i).island != i)
-      return;
-    int const root = w.m.forest.root(i);
-    if (w.m.finished(root) == 0 && fetch_add<Space>(w.m.evolved(root), 1) == 0 && root != i)
-      w.m.tallies(root) = w.m.tallies(i);
-  }
-};
-
-/// Puts every member into its island, if that is new or has grown. An island that has met single
-/// discs only goes on where it was; where islands have met each other, all begin again.
-template <class Space, class Real, bool periodic>
-struct FormIslands {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k);
-    if ((w.m.marks(i) & mark::member) == 0)
-      return;
-    int const root = w.m.forest.root(i);
-    if (w.m.finished(root) != 0)
-      return;
-    bool const goes_on = w.m.evolved(root) == 1;
-    if (!goes_on || w.m.flights(i).island < 0)
-      w.reset(i);
-    w.enter_island(i, root);
-    if (i == root && !goes_on)
-      w.m.tallies(i) = {};
-  }
-};
-
-/// At the fixpoint: predicts the meetings of discs that have both changed, each in its own island,
-/// which neither island knew of.
-template <class Space, class Real, bool periodic>
-struct PredictBetweenIslands {
-  Window<Space, Real, periodic> w;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const
-  {
-    int const i = w.m.members(k), island = w.m.flights(i).island;
-    if (island < 0 || !w.is_contested(i) || !w.changed(i))
-      return;
-    auto first = w.m.trial_predictions(i);
-    w.for_each_neighbour(i, [&](int j) {
-      int const other = w.m.flights(j).island;
-      if (other >= 0 && other != island && w.changed(j))
-        w.consider(w.meeting(i, w.m.trial(i), j, w.m.trial(j), first.due), j, w.m.trial(j).number,
-                   first);
-    });
-    w.m.trial_predictions(i) = first;
-  }
-};
-
-/// Makes the trial the truth, enters the islands in the books and dissolves them.
-template <class Space, class Real, bool periodic>
-struct CommitIslands {
-  Window<Space, Real, periodic> w;
-  Scales scales;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int k, Books& books) const
-  {
-    int const i = w.m.members(k), island = w.m.flights(i).island;
-    if (island >= 0) {
-      w.m.flights(i) = w.m.trial(i);
-      w.m.predictions(i) = w.m.trial_predictions(i);
-    }
-    if (island == i) {
-      IslandEvents const& tally = w.m.tallies(i);
-      books.lost_pairs.add(tally.lost_pairs, scales.energy);
-      books.lost_walls.add(tally.lost_walls, scales.energy);
-      books.virial.add(tally.virial, scales.virial);
-      books.collisions += tally.collisions;
-      books.wall_hits += tally.wall_hits;
-    }
-    w.dissolve(i);
+    books.lost_walls.add(tally.lost_walls, scales.energy);
+    books.wall_hits += tally.wall_hits;
   }
 };
 
@@ -714,7 +556,10 @@ template <class Space, class Real, bool periodic>
 struct DissolveIslands {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k) const { w.dissolve(w.m.members(k)); }
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
+  {
+    w.m.dismiss(b, [&](int i) { w.dissolve(i); });
+  }
 };
 
 } // namespace ricochet

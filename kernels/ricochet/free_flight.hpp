@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ricochet/checkpoint.hpp"
-#include "ricochet/events_flight.hpp"
+#include "ricochet/free_paths.hpp"
 #include "ricochet/inspection.hpp"
 #include "ricochet/reproducible.hpp"
 #include "ricochet/run_books.hpp"

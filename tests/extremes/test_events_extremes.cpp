@@ -83,7 +83,8 @@ TEST_P(EventExtremes, AStepMayBeLongerThanTheBox)
     return u < 38 ? u : 76 - u;
   };
   auto const disc = states(run)[0];
-  double const tolerance = 40 * 2000 * 8 * unit();
+  // In a window a disc may fly three boxes wide, and what it flies is rounded once a bounce.
+  double const tolerance = 40 * 2000 * 32 * unit();
   EXPECT_NEAR(disc.x + 19, folded(20 + 30.0 * 997), tolerance);
   EXPECT_NEAR(disc.y + 19, folded(21 + 41.0 * 997), tolerance);
   EXPECT_EQ(std::fabs(disc.vx), 30);
@@ -179,7 +180,7 @@ TEST_P(EventExtremes, LastingContactStopsTheRunWithAMessage)
 {
   double const g = 10, h = 5, a = 0.5, rest = std::sqrt(2 * h / g) * (1 + a) / (1 - a);
   auto const run =
-      start(scene_of(40, 40, g, {Law::restitution, a, 1}, {{7, -19 + h, 0, 0}}, 0.25), GetParam());
+      start(scene_of(40, 40, g, {Law::restitution, a, 1}, {{7, -19 + h, 0, 0}}, 0.26), GetParam());
   std::int64_t steps = 0;
   std::string message;
   try {
@@ -188,12 +189,14 @@ TEST_P(EventExtremes, LastingContactStopsTheRunWithAMessage)
   } catch (LastingContact const& error) {
     message = error.what();
   }
-  EXPECT_EQ(steps, static_cast<std::int64_t>(std::ceil(rest / 0.25)) - 1);
+  EXPECT_EQ(steps, static_cast<std::int64_t>(std::ceil(rest / 0.26)) - 1);
   EXPECT_NE(message.find("disc 0 and the floor"), std::string::npos) << message;
   EXPECT_NE(message.find("lasting contact"), std::string::npos) << message;
   auto const time = message.find("at time ");
   ASSERT_NE(time, std::string::npos) << message;
-  EXPECT_NEAR(std::stod(message.substr(time + 8)), rest, 1e-4);
+  // A place is rounded, by up to 19 units, and a bounce of this height takes so long.
+  double const rounding = 2 / (1 - a) * std::sqrt(2 * 19 * unit() / g);
+  EXPECT_NEAR(std::stod(message.substr(time + 8)), rest, 1e-4 + rounding);
 }
 
 /// 20,000 bounces of an elastic ball: each adds a few roundings to the energy, at random.

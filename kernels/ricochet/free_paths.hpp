@@ -1,9 +1,8 @@
-// Free flight, and when it ends: the mathematics of the engine `events`, one disc or pair at a
-// time.
+// Free flight, and when it ends: the mathematics of `toi`, `events` and discs that do not meet.
 //
-// Times count from the beginning of the present interval (events.hpp), in which nothing is far from
-// 0. Positions and velocities are those in the frame that begins the interval at rest and falls
-// with the discs,
+// Times count from the beginning of a stretch of time (see lines.hpp), in which nothing is far from
+// 0. Positions and velocities are those in the frame that begins the stretch at rest and falls with
+// the discs,
 //   q = x + g t^2/2,   w = v + g t   (x, v in the lab; g acts along -y),
 // where every free flight is straight and it is the walls that accelerate.
 #pragma once
@@ -16,38 +15,18 @@
 
 namespace ricochet {
 
-/// The free flight of a disc from its last event on. Neighbours are looked up one by one, so a
-/// flight fills a line of the cache.
-template <class Real>
-struct alignas(64) Flight {
-  Vec2<Real> position; ///< at `since`, in the falling frame
-  Vec2<Real> velocity; ///< in the falling frame
-  Real since;          ///< when the flight began
-  int number;          ///< events of the disc since the interval began: tells its flights apart
-  int met;             ///< slot of the disc that it met at `since`, or `partner::none`
-  int island;          ///< root of the island of the disc, or `partner::none`
-
-  KOKKOS_INLINE_FUNCTION Vec2<Real> at(Real time) const
-  {
-    return position + (time - since) * velocity;
-  }
-};
-
-/// Who or what ends a flight: the slot of a disc, or one of these.
+/// Who or what ends a free flight: the slot of a disc, or one of these.
 namespace partner {
 constexpr int wall_x = -1; ///< the left or the right wall
 constexpr int wall_y = -2; ///< the floor or the ceiling
-constexpr int leaves =
-    -3;                  ///< no one: the disc leaves the region that its list of neighbours covers
-constexpr int none = -4; ///< nothing ends it in this interval
+constexpr int none = -3;   ///< nothing ends it in this stretch of time
 } // namespace partner
 
-/// How a flight ends if nobody else interferes.
+/// When and at which wall a free flight ends; see `partner`.
 template <class Real>
-struct Prediction {
+struct WallHit {
   Real due;
-  int with;   ///< see `partner`
-  int flight; ///< number of the partner's flight; if it has another now, this prediction is void
+  int with;
 };
 
 /// Time until a distance `gap` >= 0 ahead is covered, starting with `speed` towards it under the
@@ -163,8 +142,7 @@ struct Arena {
   /// Images on either side, beside the nearest, in which a pair may meet in a small periodic box.
   int images_x, images_y;
   Real inner_x, inner_y; ///< see is_inner()
-  Real end;              ///< of the interval
-  Real allowance;        ///< how far a disc may move in it before lists must be built again
+  Real end;              ///< of the stretch of time
 
   /// Position and velocity in the lab of a flight at `time`.
   KOKKOS_INLINE_FUNCTION Vec2<Real> lab_position(Vec2<Real> p, Real time) const
@@ -176,20 +154,22 @@ struct Arena {
     return {w.x, w.y - gravity * time};
   }
 
-  /// When and at which wall a flight ends, if in this interval.
-  KOKKOS_INLINE_FUNCTION Prediction<Real> next_wall(Flight<Real> const& f) const
+  /// When and at which wall a flight ends, if in this stretch, that is at `position` with
+  /// `velocity` at the time `since`, in the falling frame.
+  KOKKOS_INLINE_FUNCTION WallHit<Real> next_wall(Vec2<Real> position, Vec2<Real> velocity,
+                                                 Real since) const
   {
-    Prediction<Real> const nothing{end, partner::none, 0};
-    auto const p = lab_position(f.position, f.since), v = lab_velocity(f.velocity, f.since);
-    if (misses_walls(p, v, end - f.since))
+    WallHit<Real> const nothing{end, partner::none};
+    auto const p = lab_position(position, since), v = lab_velocity(velocity, since);
+    if (misses_walls(p, v, end - since))
       return nothing;
     Real const x = v.x > 0 ? time_to_cover(ahead(wall_x - p.x), v.x, Real(0))
                            : time_to_cover(ahead(wall_x + p.x), -v.x, Real(0));
     Real const floor = time_to_cover(ahead(wall_y + p.y), -v.y, gravity);
     Real const ceiling = time_to_cover(ahead(wall_y - p.y), v.y, -gravity);
     Real const y = floor < ceiling ? floor : ceiling;
-    Prediction<Real> const hit = x <= y ? Prediction<Real>{f.since + x, partner::wall_x, 0}
-                                        : Prediction<Real>{f.since + y, partner::wall_y, 0};
+    WallHit<Real> const hit = x <= y ? WallHit<Real>{since + x, partner::wall_x}
+                                     : WallHit<Real>{since + y, partner::wall_y};
     return hit.due < end ? hit : nothing;
   }
 
@@ -205,27 +185,10 @@ struct Arena {
            fabs(p.y) < wall_y;
   }
 
-  /// When a flight is farther than the allowance from `home`; later than the interval if it is not
-  /// in it.
-  KOKKOS_INLINE_FUNCTION Real leaving(Flight<Real> const& f, Vec2<Real> home) const
+  /// Whether a disc at `p` cannot meet an image of a disc across an end of the box.
+  KOKKOS_INLINE_FUNCTION bool is_inner(Vec2<Real> p) const
   {
-    auto const at_end = f.at(end) - home;
-    if (dot(at_end, at_end) <= allowance * allowance)
-      return std::numeric_limits<Real>::infinity();
-    auto const from = f.position - home;
-    Real const rest = allowance * allowance - dot(from, from);
-    Real const b = dot(from, f.velocity), speed2 = dot(f.velocity, f.velocity);
-    if (!(rest > 0))
-      return f.since;
-    Real const root = sqrt(b * b + speed2 * rest);
-    return f.since + (b > 0 ? rest / (root + b) : (root - b) / speed2);
-  }
-
-  /// Whether a disc that began the interval at `home` cannot meet an image of a disc across an end
-  /// of the box.
-  KOKKOS_INLINE_FUNCTION bool is_inner(Vec2<Real> home) const
-  {
-    return fabs(home.x) < inner_x && fabs(home.y) < inner_y;
+    return fabs(p.x) < inner_x && fabs(p.y) < inner_y;
   }
 
   /// Calls use(domain) with the domain in which a disc at `p` can be compared with its neighbours:
@@ -236,19 +199,9 @@ struct Arena {
     domain.with_ends(!periodic || is_inner(p), use);
   }
 
-  /// When two discs on these flights touch, if not clearly later than `limit`. `inner`: whether one
-  /// of them is_inner(). `met`: whether they have just met. Discs that have do not meet again, in
-  /// the same image, before one of them meets someone else.
-  KOKKOS_FORCEINLINE_FUNCTION Real meeting(Flight<Real> const& a, Flight<Real> const& b, bool inner,
-                                           bool met, Real limit) const
-  {
-    Real const from = a.since > b.since ? a.since : b.since;
-    auto const d = b.at(from) - a.at(from);
-    return from + time_to_touch(inner ? d : domain.separation({0, 0}, d), b.velocity - a.velocity,
-                                met, limit - from);
-  }
-
-  /// Time until two discs touch whose nearest images are `d` apart.
+  /// Time until two discs touch whose nearest images are `d` apart, if not clearly later than
+  /// `limit`. `met`: whether they have just met. Discs that have do not meet again, in the same
+  /// image, before one of them meets someone else.
   KOKKOS_FORCEINLINE_FUNCTION Real time_to_touch(Vec2<Real> d, Vec2<Real> w, bool met,
                                                  Real limit) const
   {

@@ -1,17 +1,18 @@
-// How discs come to the end of a step of the engine `toi`.
+// How discs come to the end of their lines.
 #pragma once
 
-#include "ricochet/domain.hpp"
-#include "ricochet/toi_contacts.hpp"
+#include "ricochet/lines.hpp"
 
 namespace ricochet {
 
-/// Takes every disc to the end of its line (see toi_contacts.hpp) and back to the lab: with T = dt,
+/// Takes every disc to the end of its line (see lines.hpp) and back to the lab: with T = dt,
 ///   x' = p + T w - g T^2/2,   v' = w - g T.
 /// For a disc without contacts, p = x and w = v, this is the exact parabola. No disc is left beyond
-/// a wall, where rounding could put it, or a contact that was left to the next step.
+/// a wall, where rounding could put it, or a contact that was left for later.
 template <class Space, class Real, bool gravity, bool walls, bool periodic>
 struct Land {
+  static constexpr bool has_walls = walls;
+
   Discs<Space, Real> discs;
   Domain<Real, periodic> domain;
   Real dt;
@@ -43,41 +44,22 @@ struct Land {
   }
 };
 
-/// Enters in the books what it means that discs with contacts were kept inside, and forgets their
-/// contacts, a block of discs at a time.
-template <class Space, class Real, class LandType>
-struct Settle {
-  ContactMemory<Space, Real> m;
-  LandType land;
-  Outside outside;
-  double gravity;
-  Scales scales;
+/// Enters in the books what it means that disc i is kept inside when it lands.
+template <class LandType>
+KOKKOS_FUNCTION void settle(LandType const& land, int i, Outside const& outside, double gravity,
+                            Scales const& scales, Books& books)
+{
+  if constexpr (!LandType::has_walls)
+    return;
+  auto const p = land.end_of_line(i);
+  auto const kept = land.inside(p);
+  outside.enter(kept, books.max_outside);
+  double const lifted = static_cast<double>(kept.y) - static_cast<double>(p.y);
+  if (lifted != 0)
+    books.numerical.add(gravity * lifted, scales.energy);
+}
 
-  KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
-  {
-    if (m.called_in_block(b) == 0)
-      return;
-    m.called_in_block(b) = 0;
-    for_each_in_block(b, m.block, static_cast<int>(m.called.extent(0)), [&](int i) {
-      if (m.called(i) != 0)
-        settle(i, happened);
-    });
-  }
-
- private:
-  KOKKOS_INLINE_FUNCTION void settle(int i, Happened& happened) const
-  {
-    m.reset(i);
-    auto const p = land.end_of_line(i);
-    auto const kept = land.inside(p);
-    outside.enter(kept, happened.books.max_outside);
-    double const lifted = static_cast<double>(kept.y) - static_cast<double>(p.y);
-    if (lifted != 0)
-      happened.books.numerical.add(gravity * lifted, scales.energy);
-  }
-};
-
-/// Calls use(land) with the end of the step of a scene.
+/// Calls use(land) with the end of a stretch of time in a scene.
 template <class Space, class Real, class Use>
 void with_landing(Discs<Space, Real> const& discs, Model const& model, double dt, Use const& use)
 {
