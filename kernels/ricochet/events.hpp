@@ -103,8 +103,11 @@ class EventDriven : public Engine {
       speed_ = std::max(speed_, std::sqrt(outcome.speed2));
       search_.note_speed(speed_);
       Window<Space, Real, periodic> const after(lines<periodic>(length, 1), memory_);
-      if (!is_acceptable(outcome, length) || !has_images_of(after.arena, before.arena)) {
+      // In islands of many, and for images, was looked for no faster discs than these.
+      bool const is_complete = outcome.speed2 <= before.speed * before.speed;
+      if (!is_complete || !is_acceptable(outcome, length)) {
         dissolve(before);
+        search_.forget(); // who was found to meet is no candidate any more
         return false;
       }
       verify_islands(after, pass, members);
@@ -114,7 +117,7 @@ class EventDriven : public Engine {
   /// Whether a pass can be gone on with; if not, what has to be another is.
   bool is_acceptable(Outcome<Real> const& outcome, double length)
   {
-    if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.too_large > 0) {
+    if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.largest > largest_island_) {
       shorten(length, outcome);
       return false;
     }
@@ -140,16 +143,6 @@ class EventDriven : public Engine {
     if (shortest)
       largest_island_ = std::numeric_limits<int>::max();
     window_ = std::max(shortest_window_, length / 8);
-  }
-
-  /// Whether discs that became faster meet no farther images than those that were looked at.
-  template <class ArenaType>
-  bool has_images_of(ArenaType const& after, ArenaType const& before)
-  {
-    bool const has = after.images_x <= before.images_x && after.images_y <= before.images_y;
-    if (!has)
-      window_ = static_cast<double>(before.end) / 2;
-    return has;
   }
 
   std::string description(Stuck<Real> const& stuck) const;
@@ -179,14 +172,15 @@ class EventDriven : public Engine {
     double const factor = events > 0 ? events_aimed_at() / events : 2;
     // A window that was cut short by the step says nothing about a much longer one.
     window_ = std::clamp(length * factor, window_ / 2, window_ * 1.5);
-    largest_island_ = large_island;
+    largest_island_ = large_island();
     ++windows_;
   }
 
   double events_aimed_at() const { return std::max(events_per_disc * discs_.count(), 8.0); }
 
   static constexpr double events_per_disc = 0.05; ///< in a window
-  static constexpr int large_island = 256;        ///< evolving one is quadratic in its size
+  /// With more members the windows are too long: threads would wait for the one that evolves it.
+  int large_island() const { return std::max(256, discs_.count() / 16); }
 
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
@@ -224,7 +218,7 @@ class EventDriven : public Engine {
   double window_ = 0;          ///< most that the next window should last
   double speed_ = 0;           ///< of the fastest disc in the step so far; no less than that
   double shortest_window_ = 0; ///< below it, many events mean lasting contact
-  int largest_island_ = large_island;
+  int largest_island_ = large_island();
 };
 
 template <class Space, class Real>
@@ -293,6 +287,7 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
   Range<Space> const range(space_, 0, members);
+  Kokkos::deep_copy(space_, memory_.heaped, 0);
   if (pass > 1)
     Kokkos::parallel_for("ricochet::empty_islands", range,
                          EmptyIslands<Space, Real, periodic>{window});

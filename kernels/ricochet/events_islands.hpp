@@ -67,14 +67,14 @@ struct Stuck {
 /// How a pass over islands went.
 template <class Real>
 struct Outcome {
-  int too_large = 0; ///< islands that were left alone because of their size
+  int largest = 0;   ///< members of the largest island
   int unlogged = 0;  ///< entries that were missing in the log
   double speed2 = 0; ///< square of the largest speed that came of a contact
   Stuck<Real> stuck; ///< of several, the one with the lowest id
 
   KOKKOS_INLINE_FUNCTION void merge(Outcome const& other)
   {
-    too_large += other.too_large;
+    largest = other.largest > largest ? other.largest : largest;
     unlogged += other.unlogged;
     speed2 = other.speed2 > speed2 ? other.speed2 : speed2;
     if (other.stuck.first < stuck.first)
@@ -95,6 +95,9 @@ struct IslandMemory {
   List<IslandEvents> tallies; ///< by root
   List<PastFlight<Real>> log; ///< in any order
   Kokkos::View<int, Space> logged;
+  List<int> heap;          ///< of islands with many members, one after another in any order: slots
+  List<int> place_in_heap; ///< by slot
+  Kokkos::View<int, Space> heaped;
 
   explicit IslandMemory(Space const& space, int n)
     : member("ricochet::members", n),
@@ -103,7 +106,10 @@ struct IslandMemory {
       chains(n, n),
       tallies("ricochet::island_tally", n),
       log("ricochet::past_flights", n / 16 + 1024),
-      logged("ricochet::logged")
+      logged("ricochet::logged"),
+      heap(uninitialised<List<int>>("ricochet::heap_of_events", n)),
+      place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", n)),
+      heaped("ricochet::heaped")
   {
     Kokkos::deep_copy(space, island, partner::none);
     auto const trees = forest;
@@ -165,8 +171,30 @@ struct Window : Lines<Space, Real, periodic> {
   KOKKOS_INLINE_FUNCTION Real meeting_of(Flight<Real> const& a, Flight<Real> const& b,
                                          bool met) const
   {
+    if (met && !this->any_image)
+      return std::numeric_limits<Real>::infinity();
     Real const from = a.since > b.since ? a.since : b.since;
     return this->meeting(b.at(from) - a.at(from), b.velocity - a.velocity, from, met);
+  }
+
+  /// Calls visit(k) for all discs that disc i may meet on a flight up to a time, if they are on the
+  /// lines that they began the window with, and for all in islands around it.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_near(int i, Flight<Real> const& flight, Real to,
+                                            Visit const& visit) const
+  {
+    auto const& w = *this;
+    int const* const island = islands.island.data();
+    w.arena.with_ends(flight.place, [&](auto const& ends) {
+      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
+      auto const may_meet = w.template may_meet<false>(ends, flight.line(), flight.since, to);
+      auto const test = [=](int k) { return may_meet(k) | (island[k] >= 0); };
+      if (w.is_near)
+        w.neighbours.template for_each_around_that<across_ends>(w.cell(i), test, visit);
+      else
+        w.neighbours.template for_each_near_that<across_ends>(
+            flight.place, w.reach(flight.velocity, to - flight.since), 0, test, visit);
+    });
   }
 
   /// Takes a disc out of its island.
@@ -181,7 +209,7 @@ struct Window : Lines<Space, Real, periodic> {
 /// Those who meet, if nobody else interferes, are in one island; see FindAmongCandidates.
 template <class Space, class Real, bool periodic>
 struct UniteMeeting {
-  static constexpr bool happen = false; ///< the window may be given up
+  static constexpr bool happen = true; ///< or one of them is on another line, with other candidates
 
   LineMemory<Space> m;
   Forest<Space> forest;
@@ -220,8 +248,150 @@ struct FormIslands {
   }
 };
 
+/// The order of the next events of members: by time; of simultaneous ones pairs before walls, then
+/// by the lower id, then by the other.
+template <class Space, class Real, bool periodic>
+struct EventOrder {
+  Window<Space, Real, periodic> const& w;
+
+  KOKKOS_INLINE_FUNCTION bool operator()(int a, int b) const
+  {
+    auto const &p = w.member(a), &q = w.member(b);
+    if (p.due != q.due)
+      return p.due < q.due;
+    if ((p.with >= 0) != (q.with >= 0))
+      return p.with >= 0;
+    int const a1 = w.discs.id(a), b1 = w.discs.id(b);
+    if (p.with < 0)
+      return a1 < b1;
+    int const a2 = w.discs.id(p.with), b2 = w.discs.id(q.with);
+    int const a_low = a1 < a2 ? a1 : a2, b_low = b1 < b2 ? b1 : b2;
+    return a_low != b_low ? a_low < b_low : a1 + a2 < b1 + b2;
+  }
+};
+
+/// An island of few members: each can meet all others, and the first event is looked for.
+template <class Space, class Real, bool periodic>
+class Few {
+ public:
+  static constexpr int most = 16;
+
+  KOKKOS_INLINE_FUNCTION Few(Window<Space, Real, periodic> const& w, int root) : before_{w}
+  {
+    w.islands.chains.for_each(root, [&](int i) { slot_[size_++] = i; });
+  }
+
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each(Visit const& visit) const
+  {
+    for (int k = 0; k < size_; ++k)
+      visit(slot_[k]);
+  }
+  /// Calls visit(j) for all members that member i can meet on its flight, and perhaps for i.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_near(int, Visit const& visit) const
+  {
+    for_each(visit);
+  }
+
+  KOKKOS_INLINE_FUNCTION void begin() {}
+  KOKKOS_INLINE_FUNCTION void update(int) {}
+  KOKKOS_INLINE_FUNCTION int first() const
+  {
+    int first = slot_[0];
+    for (int k = 1; k < size_; ++k)
+      if (before_(slot_[k], first))
+        first = slot_[k];
+    return first;
+  }
+
+ private:
+  EventOrder<Space, Real, periodic> before_;
+  int slot_[most];
+  int size_ = 0;
+};
+
+/// An island of many: those whom a member can meet are looked for around it, and the first event is
+/// at the top of a heap.
+template <class Space, class Real, bool periodic>
+class Many {
+ public:
+  KOKKOS_FUNCTION Many(Window<Space, Real, periodic> const& w, int root, int size)
+    : w_(w), before_{w}, root_(root), size_(size), heap_(&w.islands.heap(fetch_add<Space>(
+                                                       w.islands.heaped(), size)))
+  {
+    int k = 0;
+    w.islands.chains.for_each(root, [&](int i) { put(i, k++); });
+  }
+
+  template <class Visit>
+  KOKKOS_FUNCTION void for_each(Visit const& visit) const
+  {
+    for (int k = 0; k < size_; ++k)
+      visit(heap_[k]);
+  }
+  template <class Visit>
+  KOKKOS_FUNCTION void for_each_near(int i, Visit const& visit) const
+  {
+    w_.for_each_near(i, w_.member(i).flight, w_.arena.end, [&](int j) {
+      if (w_.island(j) == root_)
+        visit(j);
+    });
+  }
+
+  /// Makes a heap of the members, when all have a next event.
+  KOKKOS_FUNCTION void begin()
+  {
+    for (int k = size_ / 2; k-- > 0;)
+      sink(k);
+  }
+  /// Finds the place of a member that has another next event.
+  KOKKOS_FUNCTION void update(int i)
+  {
+    rise(w_.islands.place_in_heap(i));
+    sink(w_.islands.place_in_heap(i));
+  }
+  KOKKOS_FUNCTION int first() const { return heap_[0]; }
+
+ private:
+  KOKKOS_FUNCTION void put(int i, int k)
+  {
+    heap_[k] = i;
+    w_.islands.place_in_heap(i) = k;
+  }
+  KOKKOS_FUNCTION void swap(int k, int l)
+  {
+    int const i = heap_[k];
+    put(heap_[l], k);
+    put(i, l);
+  }
+  KOKKOS_FUNCTION void rise(int k)
+  {
+    for (; k > 0 && before_(heap_[k], heap_[(k - 1) / 2]); k = (k - 1) / 2)
+      swap(k, (k - 1) / 2);
+  }
+  KOKKOS_FUNCTION void sink(int k)
+  {
+    for (;;) {
+      int least = k;
+      for (int child = 2 * k + 1; child <= 2 * k + 2 && child < size_; ++child)
+        if (before_(heap_[child], heap_[least]))
+          least = child;
+      if (least == k)
+        return;
+      swap(k, least);
+      k = least;
+    }
+  }
+
+  Window<Space, Real, periodic> const& w_;
+  EventOrder<Space, Real, periodic> before_;
+  int root_, size_;
+  int* heap_;
+};
+
 /// Evolves an island from the beginning of the window to its end as if no other discs existed,
-/// event by event, in the order of time; of simultaneous events the one of the lowest ids is first.
+/// event by event, in the order of time.
 template <class Space, class Real, bool periodic, class Law>
 struct EvolveIslands {
   Window<Space, Real, periodic> w;
@@ -237,89 +407,86 @@ struct EvolveIslands {
       return;
     int size = 0;
     w.islands.chains.for_each(root, [&](int) { ++size; });
-    if (size > largest) {
-      ++outcome.too_large;
+    outcome.largest = size > outcome.largest ? size : outcome.largest;
+    if (size > largest)
       return;
+    if (size <= Few<Space, Real, periodic>::most) {
+      Few<Space, Real, periodic> few(w, root);
+      evolve(few, root, size, outcome);
+    } else {
+      Many<Space, Real, periodic> many(w, root, size);
+      evolve(many, root, size, outcome);
     }
-    w.islands.chains.for_each(root, [&](int i) { choose_next(root, i); });
+  }
+
+ private:
+  template <class Members>
+  KOKKOS_INLINE_FUNCTION void evolve(Members& members, int root, int size,
+                                     Outcome<Real>& outcome) const
+  {
+    members.for_each([&](int i) { choose_next(members, i); });
+    members.begin();
     IslandEvents tally;
     for (;;) {
-      int const i = earliest(root);
+      int const i = members.first();
       auto const& next = w.member(i);
+      int const other = next.with;
       if (!(next.due < w.arena.end))
         break;
+      // It holds if the other is not on another flight by now.
+      if (other >= 0 && w.member(other).pass > 0 && meeting_of(i, other) != next.due) {
+        choose_again(members, i);
+        continue;
+      }
       if (tally.events() >= 32 + 16 * size) {
         note_stuck(i, outcome);
         return;
       }
-      if (next.with >= 0)
-        collide(root, i, next.with, next.due, tally, outcome);
-      else
-        hit_wall(root, i, tally, outcome);
+      if (other < 0) {
+        hit_wall(i, tally, outcome);
+      } else {
+        collide(i, other, tally, outcome);
+        choose_again(members, other);
+      }
+      choose_again(members, i);
     }
     w.islands.tallies(root) = tally;
   }
 
- private:
-  /// Determines the next event of a member.
-  KOKKOS_INLINE_FUNCTION void choose_next(int root, int i) const
+  KOKKOS_INLINE_FUNCTION Real meeting_of(int i, int j) const
+  {
+    auto const &a = w.member(i), &b = w.member(j);
+    return w.meeting_of(a.flight, b.flight, a.met == j && b.met == i);
+  }
+
+  /// Determines the next event of a member. It need not be the next of both who take part: one of
+  /// them is enough, and the one who got its flight last has looked at all others.
+  template <class Members>
+  KOKKOS_INLINE_FUNCTION void choose_next(Members const& members, int i) const
   {
     auto& own = w.member(i);
-    auto const& f = own.flight;
-    auto next = w.arena.next_wall(f.place, f.velocity, f.since);
-    w.islands.chains.for_each(root, [&](int j) {
+    auto next = w.arena.next_wall(own.flight.place, own.flight.velocity, own.flight.since);
+    members.for_each_near(i, [&](int j) {
       if (j == i)
         return;
-      auto const& other = w.member(j);
-      Real const time = w.meeting_of(f, other.flight, own.met == j && other.met == i);
-      if (time < next.due || (time == next.due && is_before_with(j, next.with)))
+      Real const time = meeting_of(i, j);
+      if (time < next.due || (time == next.due && is_before(j, next.with)))
         next = {time, j};
     });
     own.due = next.due;
     own.with = next.with;
   }
 
-  KOKKOS_INLINE_FUNCTION bool is_before_with(int j, int with) const
+  KOKKOS_INLINE_FUNCTION bool is_before(int j, int with) const
   {
     return with < 0 ? with != partner::none : w.discs.id(j) < w.discs.id(with);
   }
 
-  /// Determines the next events of all whom the new flight of disc i concerns. Who will meet it
-  /// sooner than anybody else need not know: one of the two is enough.
-  KOKKOS_INLINE_FUNCTION void choose_again(int root, int i) const
+  template <class Members>
+  KOKKOS_INLINE_FUNCTION void choose_again(Members& members, int i) const
   {
-    choose_next(root, i);
-    w.islands.chains.for_each(root, [&](int j) {
-      if (w.member(j).with == i && j != i)
-        choose_next(root, j);
-    });
-  }
-
-  /// The member whose event is first.
-  KOKKOS_INLINE_FUNCTION int earliest(int root) const
-  {
-    int first = w.islands.chains.first(root);
-    w.islands.chains.for_each(root, [&](int i) {
-      if (is_before(i, first))
-        first = i;
-    });
-    return first;
-  }
-
-  /// Order of events: by time; then pairs before walls, the lower id first, and the other one's.
-  KOKKOS_INLINE_FUNCTION bool is_before(int a, int b) const
-  {
-    auto const &p = w.member(a), &q = w.member(b);
-    if (p.due != q.due)
-      return p.due < q.due;
-    if ((p.with >= 0) != (q.with >= 0))
-      return p.with >= 0;
-    int const a1 = w.discs.id(a), b1 = w.discs.id(b);
-    if (p.with < 0)
-      return a1 < b1;
-    int const a2 = w.discs.id(p.with), b2 = w.discs.id(q.with);
-    int const a_low = a1 < a2 ? a1 : a2, b_low = b1 < b2 ? b1 : b2;
-    return a_low != b_low ? a_low < b_low : a1 + a2 < b1 + b2;
+    choose_next(members, i);
+    members.update(i);
   }
 
   /// Place and velocity of a member in the lab.
@@ -329,9 +496,10 @@ struct EvolveIslands {
     return {w.arena.lab_position(f.at(time), time), w.arena.lab_velocity(f.velocity, time)};
   }
 
-  KOKKOS_INLINE_FUNCTION void collide(int root, int i, int j, Real time, IslandEvents& tally,
+  KOKKOS_INLINE_FUNCTION void collide(int i, int j, IslandEvents& tally,
                                       Outcome<Real>& outcome) const
   {
+    Real const time = w.member(i).due;
     int const first = w.discs.id(i) < w.discs.id(j) ? i : j, second = first == i ? j : i;
     auto a = motion(first, time), b = motion(second, time);
     auto const d = w.arena.domain.separation(a.place, b.place);
@@ -343,12 +511,9 @@ struct EvolveIslands {
     tally.virial += virial_of(before, after, d);
     begin_flight(first, {a.place, after.first}, time, second, outcome);
     begin_flight(second, {b.place, after.second}, time, first, outcome);
-    choose_again(root, i);
-    choose_again(root, j);
   }
 
-  KOKKOS_INLINE_FUNCTION void hit_wall(int root, int i, IslandEvents& tally,
-                                       Outcome<Real>& outcome) const
+  KOKKOS_INLINE_FUNCTION void hit_wall(int i, IslandEvents& tally, Outcome<Real>& outcome) const
   {
     Real const time = w.member(i).due;
     auto now = motion(i, time);
@@ -364,7 +529,6 @@ struct EvolveIslands {
     ++tally.wall_hits;
     tally.lost_walls += kinetic_energy(v) - kinetic_energy(now.velocity);
     begin_flight(i, now, time, partner::none, outcome);
-    choose_again(root, i);
   }
 
   /// A member flies on from where it is `now`, in the lab. The first of its flights is kept in
@@ -422,7 +586,7 @@ struct VerifyIslands {
     CandidateBatch<Space, Real> batch(w.m);
     auto const& flight = w.member(i).flight;
     auto const line = flight.line();
-    for_each_near(i, flight, w.until, [&](int k) {
+    w.for_each_near(i, flight, w.until, [&](int k) {
       if (k == i)
         return;
       if (w.island(k) != w.island(i) && touches(flight, w.arena.end, k))
@@ -442,30 +606,11 @@ struct VerifyIslands {
   {
     w.for_each_new_flight(i, [&](Flight<Real> const& flight, Real to) {
       if (flight.since < w.member(i).flight.since)
-        for_each_near(i, flight, to, [&](int k) {
+        w.for_each_near(i, flight, to, [&](int k) {
           if (k != i && w.island(k) != w.island(i) && touches(flight, to, k))
             join(i, k);
         });
       return true;
-    });
-  }
-
-  /// Calls visit(k) for all discs that disc i may meet on a flight up to a time, if they are on the
-  /// lines that they began the window with, and for all in islands around it.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_near(int i, Flight<Real> const& flight, Real to,
-                                            Visit const& visit) const
-  {
-    int const* const island = w.islands.island.data();
-    w.arena.with_ends(flight.place, [&](auto const& ends) {
-      constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
-      auto const may_meet = w.template may_meet<false>(ends, flight.line(), flight.since, to);
-      auto const test = [=](int k) { return may_meet(k) | (island[k] >= 0); };
-      if (w.is_near)
-        w.neighbours.template for_each_around_that<across_ends>(w.cell(i), test, visit);
-      else
-        w.neighbours.template for_each_near_that<across_ends>(
-            flight.place, w.reach(flight.velocity, to - flight.since), 0, test, visit);
     });
   }
 

@@ -160,6 +160,9 @@ struct Arena {
                                                  Real since) const
   {
     WallHit<Real> const nothing{end, partner::none};
+    constexpr Real nowhere = std::numeric_limits<Real>::infinity();
+    if (wall_x == nowhere && wall_y == nowhere)
+      return nothing;
     auto const p = lab_position(position, since), v = lab_velocity(velocity, since);
     if (misses_walls(p, v, end - since))
       return nothing;

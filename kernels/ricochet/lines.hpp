@@ -71,8 +71,8 @@ struct LineMemory {
     : called("ricochet::called_for_round", n),
       called_in_block("ricochet::called_in_block", blocks_of(block, n)),
       list(uninitialised<Ints>("ricochet::called_up", n)),
-      candidate(uninitialised<decltype(candidate)>("ricochet::candidates", n)),
-      due(uninitialised<decltype(due)>("ricochet::candidate_due", n)),
+      candidate(uninitialised<decltype(candidate)>("ricochet::candidates", 3 * n)),
+      due(uninitialised<decltype(due)>("ricochet::candidate_due", 3 * n)),
       counts("ricochet::line_counts")
   {
   }
