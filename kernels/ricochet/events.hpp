@@ -72,46 +72,64 @@ class EventDriven : public Engine {
   void window()
   {
     ProfilingRegion const region("ricochet::window");
-    double parts;
+    double parts, fastest = 0;
     do {
       parts = std::ceil(remaining_ / std::min(window_, longest_window()));
-    } while (!advance<periodic>(remaining_ / parts));
+    } while (!advance<periodic>(remaining_ / parts, fastest));
     double const length = remaining_ / parts;
     remaining_ = parts > 1 ? remaining_ - length : 0;
     choose_next_window(length);
   }
 
-  /// Advances all discs by a length of time, if its islands are no more than a window can have.
-  /// Returns false if not; nothing has happened then, and `window_` or the log is another.
+  /// Advances all discs by a length of time, if its islands are no more than a window can have, and
+  /// make no disc much faster than the fastest at the start, or than `fastest`. Returns false if
+  /// not; nothing has happened then, and `window_`, the log or `fastest` is another.
   template <bool periodic>
-  bool advance(double length)
+  bool advance(double length, double& fastest)
   {
     search_.template prepare<periodic>(space_, discs_, inspection_, length);
+    search_.note_speed(fastest);
     search_.template find<periodic>(space_, discs_, books_.view(), length, [&](auto const& lines) {
       return UniteMeeting<Space, Real, periodic>{lines.m, memory_.forest};
     });
     Kokkos::deep_copy(space_, memory_.logged, 0);
+    int begin = 0; // of the members in a pass
     for (int pass = 1;; ++pass) {
-      int const members = search_.list_called(space_, pass);
+      int const end = begin + search_.list_called(space_, pass, begin);
       Window<Space, Real, periodic> const before(lines<periodic>(length, 1.5), memory_);
-      if (members == 0) {
-        commit(before);
+      if (end == begin) {
+        if (end > 0)
+          commit(before, end);
         fly(length);
         return true;
       }
+      if (end > memory_.room(discs_.count())) {
+        window_ = length / 2;
+        return give_up(before);
+      }
+      Range<Space> const members(space_, begin, end);
       auto const outcome = evolve_islands(before, pass, members);
       speed_ = std::max(speed_, std::sqrt(outcome.speed2));
       search_.note_speed(speed_);
-      Window<Space, Real, periodic> const after(lines<periodic>(length, 1), memory_);
       // In islands of many, and for images, was looked for no faster discs than these.
-      bool const is_complete = outcome.speed2 <= before.speed * before.speed;
-      if (!is_complete || !is_acceptable(outcome, length)) {
-        dissolve(before);
-        search_.forget(); // who was found to meet is no candidate any more
-        return false;
-      }
-      verify_islands(after, pass, members);
+      if (outcome.speed2 > before.speed * before.speed)
+        fastest = std::sqrt(outcome.speed2);
+      if (fastest > before.speed || !is_acceptable(outcome, length))
+        return give_up(before);
+      Window<Space, Real, periodic> const after(lines<periodic>(length, 1), memory_);
+      Kokkos::parallel_for("ricochet::verify_islands", members,
+                           VerifyIslands<Space, Real, periodic>{after, pass});
+      begin = end;
     }
+  }
+
+  /// Takes all discs back to the beginning of the window.
+  template <bool periodic>
+  bool give_up(Window<Space, Real, periodic> const& window)
+  {
+    dissolve(window);
+    search_.forget(); // who was found to meet is no candidate any more
+    return false;
   }
 
   /// Whether a pass can be gone on with; if not, what has to be another is.
@@ -190,11 +208,10 @@ class EventDriven : public Engine {
   }
   double mean_square_speed() const;
   template <bool periodic>
-  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass, int members);
+  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
+                               Range<Space> const& members);
   template <bool periodic>
-  void verify_islands(Window<Space, Real, periodic> const& window, int pass, int members);
-  template <bool periodic>
-  void commit(Window<Space, Real, periodic> const& window);
+  void commit(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>
   void dissolve(Window<Space, Real, periodic> const& window);
   void fly(double length);
@@ -228,7 +245,7 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    search_(model, discs_.count()),
+    search_(model, discs_.count(), IslandMemory<Space, Real>::room(discs_.count())),
     memory_(space_, discs_.count()),
     books_(model, method.dt, initial),
     inspection_(model),
@@ -282,20 +299,19 @@ double EventDriven<Space, Real>::mean_square_speed() const
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass, int members)
+                                                       int pass, Range<Space> const& members)
 {
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
-  Range<Space> const range(space_, 0, members);
   Kokkos::deep_copy(space_, memory_.heaped, 0);
-  if (pass > 1)
-    Kokkos::parallel_for("ricochet::empty_islands", range,
-                         EmptyIslands<Space, Real, periodic>{window});
-  Kokkos::parallel_for("ricochet::form_islands", range, FormIslands<Space, Real, periodic>{window});
+  Kokkos::parallel_for("ricochet::begin_members", members,
+                       BeginMembers<Space, Real, periodic>{window});
+  Kokkos::parallel_for("ricochet::form_islands", members,
+                       FormIslands<Space, Real, periodic>{window});
   std::visit(
       [&](auto const& law) {
         using ThisLaw = std::decay_t<decltype(law)>;
-        Kokkos::parallel_reduce("ricochet::evolve_islands", range,
+        Kokkos::parallel_reduce("ricochet::evolve_islands", members,
                                 EvolveIslands<Space, Real, periodic, ThisLaw>{
                                     window, law, wall_rule, pass, largest_island_},
                                 Merge<Outcome<Real>, Space>(outcome_));
@@ -306,22 +322,14 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
 
 template <class Space, class Real>
 template <bool periodic>
-void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass,
-                                              int members)
-{
-  Kokkos::parallel_for("ricochet::verify_islands", Range<Space>(space_, 0, members),
-                       VerifyIslands<Space, Real, periodic>{window, pass});
-}
-
-template <class Space, class Real>
-template <bool periodic>
-void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window)
+void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window, int members)
 {
   with_landing(discs_, model_, static_cast<double>(window.arena.end), [&](auto const& land) {
     using Commit = CommitIslands<Space, Real, periodic, std::decay_t<decltype(land)>>;
-    Kokkos::parallel_reduce("ricochet::commit_islands", Range<Space>(space_, 0, window.m.blocks()),
-                            Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
-                            Merge<Happened, Space>(search_.happened()));
+    Kokkos::parallel_reduce(
+        "ricochet::commit_islands", Range<Space>(space_, 0, members),
+        Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
+        Merge<Happened, Space>(search_.happened()));
   });
   enter_happened(space_, search_.memory(), search_.happened(), books_.view());
 }

@@ -2,10 +2,11 @@
 // that no two islands touch. kernels/README.md gives the argument; events.hpp calls these kernels
 // in order.
 //
-// Every disc is in one of two places: `discs` holds all lines as the window begins and is not
-// written while it lasts; `member` holds the members of islands as far as they have been evolved.
-// Only the thread of an island writes its members, so nothing depends on scheduling: lists may be
-// filled in any order because every choice among their entries has one answer.
+// `discs` holds all lines as the window begins and is not written while it lasts; the members of
+// islands, as far as these have been evolved, are numbered in the order of storage, and those of
+// islands that are evolved again get new numbers. Only the thread of an island writes its members,
+// so nothing depends on scheduling: lists may be filled in any order because every choice among
+// their entries has one answer.
 #pragma once
 
 #include "ricochet/islands.hpp"
@@ -41,8 +42,8 @@ template <class Real>
 struct alignas(64) Member {
   Flight<Real> flight;
   Real due; ///< when its next event is, if nobody else interferes
-  int with; ///< with whom, see `partner`
-  int met;  ///< slot of the disc that it met last, or `partner::none`
+  int with; ///< with whom: a member, or see `partner`
+  int met;  ///< the member that it met last, or `partner::none`
   int past; ///< latest entry of the log, or none
   int pass; ///< in which this flight began; 0 if the window began with it
 };
@@ -82,43 +83,47 @@ struct Outcome {
   }
 };
 
-/// Memory of the islands, by slot unless it says otherwise. Between windows no disc is in one.
+/// Memory of the islands of a window. Between windows no disc is in one.
 template <class Space, class Real>
 struct IslandMemory {
   template <class Value>
   using List = Kokkos::View<Value*, Space>;
 
+  // By slot:
+  List<int> number;     ///< of a disc that is a member, or none; longer, as the arrays of discs are
+  Forest<Space> forest; ///< its trees are the islands to be
+  // By number of a member:
   List<Member<Real>> member;
-  List<int> island;     ///< root of the island of a disc, or `partner::none`; longer, as discs are
-  Forest<Space> forest; ///< its trees are the islands to be; nodes are slots
-  Chains<Space> chains; ///< by root: the members of its island
+  List<int> island;           ///< number of the root of its island
+  Chains<Space> chains;       ///< by root: the members of its island
   List<IslandEvents> tallies; ///< by root
-  List<PastFlight<Real>> log; ///< in any order
-  Kokkos::View<int, Space> logged;
-  List<int> heap;          ///< of islands with many members, one after another in any order: slots
-  List<int> place_in_heap; ///< by slot
-  Kokkos::View<int, Space> heaped;
+  List<int> heap;          ///< of islands with many members, one after another in any order: numbers
+  List<int> place_in_heap; ///< of a member of those
 
-  explicit IslandMemory(Space const& space, int n)
-    : member("ricochet::members", n),
-      island(uninitialised<List<int>>("ricochet::island", n + Discs<Space, Real>::padding)),
+  List<PastFlight<Real>> log; ///< in any order
+  Kokkos::View<int, Space> logged, heaped;
+
+  /// How many members there is room for. If more than half of all discs are, windows are too long.
+  static int room(int n) { return n / 2 + 1024; }
+
+  IslandMemory(Space const& space, int n)
+    : number(uninitialised<List<int>>("ricochet::member_number", n + Discs<Space, Real>::padding)),
       forest(n),
-      chains(n, n),
-      tallies("ricochet::island_tally", n),
+      member("ricochet::members", room(n)),
+      island(uninitialised<List<int>>("ricochet::island", room(n))),
+      chains(room(n), room(n)),
+      tallies("ricochet::island_tally", room(n)),
+      heap(uninitialised<List<int>>("ricochet::heap_of_events", room(n))),
+      place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", room(n))),
       log("ricochet::past_flights", n / 16 + 1024),
       logged("ricochet::logged"),
-      heap(uninitialised<List<int>>("ricochet::heap_of_events", n)),
-      place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", n)),
       heaped("ricochet::heaped")
   {
-    Kokkos::deep_copy(space, island, partner::none);
+    Kokkos::deep_copy(space, number, partner::none);
     auto const trees = forest;
-    auto const lists = chains;
     Kokkos::parallel_for(
-        "ricochet::begin_islands", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
-          trees.reset(i);
-          lists.reset(i);
-        });
+        "ricochet::begin_islands", Range<Space>(space, 0, n),
+        KOKKOS_LAMBDA(int i) { trees.reset(i); });
   }
 };
 
@@ -132,8 +137,18 @@ struct Window : Lines<Space, Real, periodic> {
   {
   }
 
-  KOKKOS_INLINE_FUNCTION int island(int i) const { return islands.island(i); }
-  KOKKOS_INLINE_FUNCTION Member<Real>& member(int i) const { return islands.member(i); }
+  KOKKOS_INLINE_FUNCTION Member<Real>& member(int number) const { return islands.member(number); }
+  KOKKOS_INLINE_FUNCTION int slot(int number) const { return this->m.list(number); }
+  KOKKOS_INLINE_FUNCTION int id(int number) const { return this->discs.id(slot(number)); }
+
+  /// Number of a disc that is a member of an island, or none.
+  KOKKOS_INLINE_FUNCTION int number(int i) const { return islands.number(i); }
+
+  /// Island of a disc, or none.
+  KOKKOS_INLINE_FUNCTION int island_of(int i) const
+  {
+    return number(i) < 0 ? partner::none : islands.island(number(i));
+  }
 
   /// The flight of a disc that the window began with.
   KOKKOS_INLINE_FUNCTION Flight<Real> first_flight(int i) const
@@ -144,7 +159,7 @@ struct Window : Lines<Space, Real, periodic> {
   /// Whether a disc has had a contact in this window.
   KOKKOS_INLINE_FUNCTION bool is_deflected(int i) const
   {
-    return island(i) >= 0 && member(i).pass > 0;
+    return number(i) >= 0 && member(number(i)).pass > 0;
   }
 
   /// Calls use(flight, to) for the flights of a disc that began with a contact, the last first,
@@ -154,7 +169,7 @@ struct Window : Lines<Space, Real, periodic> {
   {
     if (!is_deflected(i))
       return true;
-    auto const& own = member(i);
+    auto const& own = member(number(i));
     if (!use(own.flight, this->arena.end))
       return false;
     Real to = own.flight.since;
@@ -184,11 +199,11 @@ struct Window : Lines<Space, Real, periodic> {
                                             Visit const& visit) const
   {
     auto const& w = *this;
-    int const* const island = islands.island.data();
+    int const* const number = islands.number.data();
     w.arena.with_ends(flight.place, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
       auto const may_meet = w.template may_meet<false>(ends, flight.line(), flight.since, to);
-      auto const test = [=](int k) { return may_meet(k) | (island[k] >= 0); };
+      auto const test = [=](int k) { return may_meet(k) | (number[k] >= 0); };
       if (w.is_near)
         w.neighbours.template for_each_around_that<across_ends>(w.cell(i), test, visit);
       else
@@ -200,9 +215,9 @@ struct Window : Lines<Space, Real, periodic> {
   /// Takes a disc out of its island.
   KOKKOS_INLINE_FUNCTION void dissolve(int i) const
   {
-    islands.island(i) = partner::none;
+    this->m.dismiss(i);
+    islands.number(i) = partner::none;
     islands.forest.reset(i);
-    islands.chains.reset(i);
   }
 };
 
@@ -223,28 +238,31 @@ struct UniteMeeting {
   KOKKOS_INLINE_FUNCTION void wall(int i) const { m.call_up(i, 1); }
 };
 
-/// Empties the islands that have grown.
+/// Makes the discs that are called up members, where the window began.
 template <class Space, class Real, bool periodic>
-struct EmptyIslands {
+struct BeginMembers {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place) const
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const
   {
-    w.islands.chains.reset(w.m.list(place));
+    int const i = w.slot(number);
+    w.islands.number(i) = number;
+    w.islands.chains.reset(number);
+    w.member(number) = {w.first_flight(i), Real(0),       partner::none,
+                        partner::none,     partner::none, 0};
   }
 };
 
-/// Puts the members of the islands of this pass where the window began, and into their islands.
+/// Puts them into their islands.
 template <class Space, class Real, bool periodic>
 struct FormIslands {
   Window<Space, Real, periodic> w;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place) const
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const
   {
-    int const i = w.m.list(place), root = w.islands.forest.root(i);
-    w.member(i) = {w.first_flight(i), Real(0), partner::none, partner::none, partner::none, 0};
-    w.islands.island(i) = root;
-    w.islands.chains.append(root, i);
+    int const root = w.number(w.islands.forest.root(w.slot(number)));
+    w.islands.island(number) = root;
+    w.islands.chains.append(root, number);
   }
 };
 
@@ -261,10 +279,10 @@ struct EventOrder {
       return p.due < q.due;
     if ((p.with >= 0) != (q.with >= 0))
       return p.with >= 0;
-    int const a1 = w.discs.id(a), b1 = w.discs.id(b);
+    int const a1 = w.id(a), b1 = w.id(b);
     if (p.with < 0)
       return a1 < b1;
-    int const a2 = w.discs.id(p.with), b2 = w.discs.id(q.with);
+    int const a2 = w.id(p.with), b2 = w.id(q.with);
     int const a_low = a1 < a2 ? a1 : a2, b_low = b1 < b2 ? b1 : b2;
     return a_low != b_low ? a_low < b_low : a1 + a2 < b1 + b2;
   }
@@ -278,14 +296,14 @@ class Few {
 
   KOKKOS_INLINE_FUNCTION Few(Window<Space, Real, periodic> const& w, int root) : before_{w}
   {
-    w.islands.chains.for_each(root, [&](int i) { slot_[size_++] = i; });
+    w.islands.chains.for_each(root, [&](int i) { member_[size_++] = i; });
   }
 
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void for_each(Visit const& visit) const
   {
     for (int k = 0; k < size_; ++k)
-      visit(slot_[k]);
+      visit(member_[k]);
   }
   /// Calls visit(j) for all members that member i can meet on its flight, and perhaps for i.
   template <class Visit>
@@ -298,16 +316,16 @@ class Few {
   KOKKOS_INLINE_FUNCTION void update(int) {}
   KOKKOS_INLINE_FUNCTION int first() const
   {
-    int first = slot_[0];
+    int first = member_[0];
     for (int k = 1; k < size_; ++k)
-      if (before_(slot_[k], first))
-        first = slot_[k];
+      if (before_(member_[k], first))
+        first = member_[k];
     return first;
   }
 
  private:
   EventOrder<Space, Real, periodic> before_;
-  int slot_[most];
+  int member_[most];
   int size_ = 0;
 };
 
@@ -333,9 +351,9 @@ class Many {
   template <class Visit>
   KOKKOS_FUNCTION void for_each_near(int i, Visit const& visit) const
   {
-    w_.for_each_near(i, w_.member(i).flight, w_.arena.end, [&](int j) {
-      if (w_.island(j) == root_)
-        visit(j);
+    w_.for_each_near(w_.slot(i), w_.member(i).flight, w_.arena.end, [&](int k) {
+      if (w_.island_of(k) == root_)
+        visit(w_.number(k));
     });
   }
 
@@ -400,10 +418,9 @@ struct EvolveIslands {
   int pass;
   int largest; ///< islands with more members are left alone
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place, Outcome<Real>& outcome) const
+  KOKKOS_INLINE_FUNCTION void operator()(int root, Outcome<Real>& outcome) const
   {
-    int const root = w.m.list(place);
-    if (w.island(root) != root)
+    if (w.islands.island(root) != root)
       return;
     int size = 0;
     w.islands.chains.for_each(root, [&](int) { ++size; });
@@ -479,7 +496,7 @@ struct EvolveIslands {
 
   KOKKOS_INLINE_FUNCTION bool is_before(int j, int with) const
   {
-    return with < 0 ? with != partner::none : w.discs.id(j) < w.discs.id(with);
+    return with < 0 ? with != partner::none : w.id(j) < w.id(with);
   }
 
   template <class Members>
@@ -500,7 +517,7 @@ struct EvolveIslands {
                                       Outcome<Real>& outcome) const
   {
     Real const time = w.member(i).due;
-    int const first = w.discs.id(i) < w.discs.id(j) ? i : j, second = first == i ? j : i;
+    int const first = w.id(i) < w.id(j) ? i : j, second = first == i ? j : i;
     auto a = motion(first, time), b = motion(second, time);
     auto const d = w.arena.domain.separation(a.place, b.place);
     PairVelocity<Real> const before{a.velocity, b.velocity};
@@ -561,8 +578,7 @@ struct EvolveIslands {
     auto const& next = w.member(i);
     auto const p = motion(i, next.due).place;
     Outcome<Real> here;
-    here.stuck = {w.discs.id(i), next.with >= 0 ? w.discs.id(next.with) : next.with, p.x, p.y,
-                  next.due};
+    here.stuck = {w.id(i), next.with >= 0 ? w.id(next.with) : next.with, p.x, p.y, next.due};
     outcome.merge(here);
   }
 };
@@ -578,36 +594,37 @@ struct VerifyIslands {
   Window<Space, Real, periodic> w;
   int pass;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int place) const
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const
   {
-    int const i = w.m.list(place);
-    if (!w.is_deflected(i))
+    auto const& own = w.member(number);
+    if (own.pass == 0)
       return;
-    CandidateBatch<Space, Real> batch(w.m);
-    auto const& flight = w.member(i).flight;
+    int const i = w.slot(number), island = w.islands.island(number);
+    auto const& flight = own.flight;
     auto const line = flight.line();
+    CandidateBatch<Space, Real> batch(w.m);
     w.for_each_near(i, flight, w.until, [&](int k) {
       if (k == i)
         return;
-      if (w.island(k) != w.island(i) && touches(flight, w.arena.end, k))
+      if (w.island_of(k) != island && touches(flight, w.arena.end, k))
         join(i, k);
       else if (w.lists_candidates())
-        list_candidate(i, line, k, batch);
+        list_candidate(i, line, flight.since, k, batch);
     });
     if (w.lists_candidates())
       w.list_wall(i, line, flight.since, batch);
     batch.flush();
-    if (w.member(i).past >= 0)
-      verify_past(i);
+    if (own.past >= 0)
+      verify_past(i, own, island);
   }
 
  private:
-  KOKKOS_INLINE_FUNCTION void verify_past(int i) const
+  KOKKOS_INLINE_FUNCTION void verify_past(int i, Member<Real> const& own, int island) const
   {
     w.for_each_new_flight(i, [&](Flight<Real> const& flight, Real to) {
-      if (flight.since < w.member(i).flight.since)
+      if (flight.since < own.flight.since)
         w.for_each_near(i, flight, to, [&](int k) {
-          if (k != i && w.island(k) != w.island(i) && touches(flight, to, k))
+          if (k != i && w.island_of(k) != island && touches(flight, to, k))
             join(i, k);
         });
       return true;
@@ -624,15 +641,14 @@ struct VerifyIslands {
            });
   }
 
-  KOKKOS_INLINE_FUNCTION void list_candidate(int i, Line<Real> const& line, int k,
+  KOKKOS_INLINE_FUNCTION void list_candidate(int i, Line<Real> const& line, Real since, int k,
                                              CandidateBatch<Space, Real>& batch) const
   {
-    Real const since = w.member(i).flight.since;
     if (!w.is_deflected(k)) {
       w.list_candidate(i, line, k, w.line(k), since, batch);
       return;
     }
-    auto const& other = w.member(k);
+    auto const& other = w.member(w.number(k));
     if (other.pass == pass && i > k)
       return; // it lists this pair itself
     Real const from = since > other.flight.since ? since : other.flight.since;
@@ -649,16 +665,16 @@ struct VerifyIslands {
 
   KOKKOS_INLINE_FUNCTION void call_up_island(int i) const
   {
-    int const root = w.island(i);
+    int const root = w.island_of(i);
     if (root < 0)
       w.m.call_up(i, pass + 1);
-    else if (w.m.call_up(root, pass + 1)) // or another thread does this
-      w.islands.chains.for_each(root, [&](int k) { w.m.call_up(k, pass + 1); });
+    else if (w.m.call_up(w.slot(root), pass + 1)) // or another thread does this
+      w.islands.chains.for_each(root, [&](int k) { w.m.call_up(w.slot(k), pass + 1); });
   }
 };
 
-/// Puts the discs on the lines of their last flights, enters the islands in the books and
-/// dissolves them, a block of discs at a time.
+/// Puts the discs on the lines of their last flights, enters the islands in the books and dissolves
+/// them.
 template <class Space, class Real, bool periodic, class LandType>
 struct CommitIslands {
   Window<Space, Real, periodic> w;
@@ -667,20 +683,21 @@ struct CommitIslands {
   double gravity;
   Scales scales;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
+  KOKKOS_INLINE_FUNCTION void operator()(int number, Happened& happened) const
   {
-    auto& books = happened.books;
-    w.m.dismiss(b, [&](int i) {
-      if (w.is_deflected(i)) {
-        auto const line = w.member(i).flight.line();
-        w.discs.set_position(i, line.position);
-        w.discs.set_velocity(i, line.velocity);
-      }
-      if (w.island(i) == i)
-        enter(w.islands.tallies(i), books);
-      w.dissolve(i);
-      settle(land, i, outside, gravity, scales, books);
-    });
+    int const i = w.slot(number);
+    if (w.number(i) != number) // it has been evolved again
+      return;
+    auto const& own = w.member(number);
+    if (own.pass > 0) {
+      auto const line = own.flight.line();
+      w.discs.set_position(i, line.position);
+      w.discs.set_velocity(i, line.velocity);
+    }
+    if (w.islands.island(number) == number)
+      enter(w.islands.tallies(number), happened.books);
+    w.dissolve(i);
+    settle(land, i, outside, gravity, scales, happened.books);
   }
 
  private:
@@ -696,14 +713,14 @@ struct CommitIslands {
   }
 };
 
-/// Dissolves all islands, and leaves no trace of them.
+/// Dissolves all islands, and leaves no trace of them, a block of discs at a time.
 template <class Space, class Real, bool periodic>
 struct DissolveIslands {
   Window<Space, Real, periodic> w;
 
   KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
-    w.m.dismiss(b, [&](int i) { w.dissolve(i); });
+    w.m.dismiss_block(b, [&](int i) { w.dissolve(i); });
   }
 };
 

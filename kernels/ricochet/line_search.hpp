@@ -18,10 +18,11 @@ class LineSearch {
  public:
   using Counts = typename LineMemory<Space>::Counts;
 
-  LineSearch(Model const& model, int discs)
+  /// For `discs` discs of `model`; `listed` of those called up are kept at a time.
+  LineSearch(Model const& model, int discs, int listed)
     : model_(model),
       grid_(model, discs, cell_side(model, discs)),
-      memory_(discs),
+      memory_(discs, listed),
       happened_("ricochet::happened")
   {
   }
@@ -61,10 +62,12 @@ class LineSearch {
     return counts_;
   }
 
-  /// Lists the discs that are called up for a round. Returns how many.
-  int list_called(Space const& space, int round)
+  /// Lists the discs that are called up for a round, from `place` on. Returns how many they are,
+  /// also if there was no room for all.
+  int list_called(Space const& space, int round, int place = 0)
   {
-    scan("ricochet::list_called", space, memory_.blocks(), ListCalled<Space>{memory_, round});
+    scan("ricochet::list_called", space, memory_.blocks(),
+         ListCalled<Space>{memory_, round, place});
     return read_counts(space).called;
   }
 

@@ -52,7 +52,7 @@ struct LineMemory {
 
   Ints called;          ///< latest round it was called up for, or 0
   Ints called_in_block; ///< latest round that any of a block was called up for
-  Ints list;            ///< those called up for this round, in order
+  Ints list; ///< those called up for a round, in order, and after them those of others if asked for
   /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
   /// where it is a wall.
   Kokkos::View<int* [2], Space> candidate;
@@ -67,10 +67,11 @@ struct LineMemory {
   };
   Kokkos::View<Counts, Space> counts;
 
-  explicit LineMemory(int n)
+  /// For n discs, of whose lists as many as `listed` are kept at a time.
+  LineMemory(int n, int listed)
     : called("ricochet::called_for_round", n),
       called_in_block("ricochet::called_in_block", blocks_of(block, n)),
-      list(uninitialised<Ints>("ricochet::called_up", n)),
+      list(uninitialised<Ints>("ricochet::called_up", listed)),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", 3 * n)),
       due(uninitialised<decltype(due)>("ricochet::candidate_due", 3 * n)),
       counts("ricochet::line_counts")
@@ -90,7 +91,7 @@ struct LineMemory {
 
   /// Calls visit(slot) for those of a block of slots that were called up, and takes it back.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void dismiss(int b, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void dismiss_block(int b, Visit const& visit) const
   {
     if (called_in_block(b) == 0)
       return;
@@ -101,6 +102,13 @@ struct LineMemory {
       called(slot) = 0;
       visit(slot);
     });
+  }
+
+  /// The same for one disc.
+  KOKKOS_INLINE_FUNCTION void dismiss(int slot) const
+  {
+    called(slot) = 0;
+    exchange<Space>(called_in_block(slot / block), 0); // others of the block do so, too
   }
 
   bool has_room(int candidates) const
@@ -114,6 +122,7 @@ template <class Space>
 struct ListCalled {
   LineMemory<Space> m;
   int round;
+  int place; ///< in the list, of the first
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
   {
@@ -121,8 +130,8 @@ struct ListCalled {
       for_each_in_block(b, m.block, static_cast<int>(m.called.extent(0)), [&](int slot) {
         if (m.called(slot) != round)
           return;
-        if (final)
-          m.list(before) = slot;
+        if (final && place + before < static_cast<int>(m.list.extent(0)))
+          m.list(place + before) = slot;
         ++before;
       });
     if (final && b + 1 == static_cast<int>(m.called_in_block.extent(0)))

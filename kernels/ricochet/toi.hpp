@@ -122,7 +122,7 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    search_(model, discs_.count()),
+    search_(model, discs_.count(), discs_.count()),
     memory_(discs_.count()),
     books_(model, method.dt, initial),
     inspection_(model)

@@ -400,7 +400,7 @@ struct Settle {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, Happened& happened) const
   {
-    m.dismiss(b, [&](int i) {
+    m.dismiss_block(b, [&](int i) {
       contacts.reset(i);
       settle(land, i, outside, gravity, scales, happened.books);
     });
