@@ -103,9 +103,10 @@ class EventDriven : public Engine {
         fly(length);
         return true;
       }
-      if (end > memory_.room(discs_.count())) {
-        window_ = length / 2;
-        return give_up(before);
+      if (end > memory_.room()) {
+        give_up(before);
+        make_room(length, end);
+        return false;
       }
       Range<Space> const members(space_, begin, end);
       auto const outcome = evolve_islands(before, pass, members);
@@ -121,6 +122,18 @@ class EventDriven : public Engine {
                            VerifyIslands<Space, Real, periodic>{after, pass});
       begin = end;
     }
+  }
+
+  /// Makes windows shorter, if they can be, because of too many members; or more room for them.
+  void make_room(double length, int members)
+  {
+    if (length > shortest_window_) {
+      window_ = std::max(shortest_window_, length / 2);
+      return;
+    }
+    memory_ = {}; // gives the old memory back first
+    memory_ = {space_, discs_.count(), 2 * members};
+    search_.keep_listed(2 * members);
   }
 
   /// Takes all discs back to the beginning of the window.
@@ -162,6 +175,9 @@ class EventDriven : public Engine {
       largest_island_ = std::numeric_limits<int>::max();
     window_ = std::max(shortest_window_, length / 8);
   }
+
+  /// Members that there is room for at first. If they are half of all discs, windows are too long.
+  static int first_room(int discs) { return discs / 2 + 1024; }
 
   std::string description(Stuck<Real> const& stuck) const;
 
@@ -245,8 +261,8 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
     dt_(method.dt),
     law_(contact_law<Real>(model.contact)),
     discs_(discs_from<Space, Real>(space_, initial.data(), static_cast<int>(initial.size()))),
-    search_(model, discs_.count(), IslandMemory<Space, Real>::room(discs_.count())),
-    memory_(space_, discs_.count()),
+    search_(model, discs_.count(), first_room(discs_.count())),
+    memory_(space_, discs_.count(), first_room(discs_.count())),
     books_(model, method.dt, initial),
     inspection_(model),
     outcome_("ricochet::outcome"),
@@ -326,10 +342,9 @@ void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& windo
 {
   with_landing(discs_, model_, static_cast<double>(window.arena.end), [&](auto const& land) {
     using Commit = CommitIslands<Space, Real, periodic, std::decay_t<decltype(land)>>;
-    Kokkos::parallel_reduce(
-        "ricochet::commit_islands", Range<Space>(space_, 0, members),
-        Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
-        Merge<Happened, Space>(search_.happened()));
+    Kokkos::parallel_reduce("ricochet::commit_islands", Range<Space>(space_, 0, members),
+                            Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
+                            Merge<Happened, Space>(search_.happened()));
   });
   enter_happened(space_, search_.memory(), search_.happened(), books_.view());
 }

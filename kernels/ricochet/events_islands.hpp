@@ -97,24 +97,22 @@ struct IslandMemory {
   List<int> island;           ///< number of the root of its island
   Chains<Space> chains;       ///< by root: the members of its island
   List<IslandEvents> tallies; ///< by root
-  List<int> heap;          ///< of islands with many members, one after another in any order: numbers
+  List<int> heap; ///< of islands with many members, one after another in any order: numbers
   List<int> place_in_heap; ///< of a member of those
 
   List<PastFlight<Real>> log; ///< in any order
   Kokkos::View<int, Space> logged, heaped;
 
-  /// How many members there is room for. If more than half of all discs are, windows are too long.
-  static int room(int n) { return n / 2 + 1024; }
-
-  IslandMemory(Space const& space, int n)
+  IslandMemory() = default;
+  IslandMemory(Space const& space, int n, int room)
     : number(uninitialised<List<int>>("ricochet::member_number", n + Discs<Space, Real>::padding)),
       forest(n),
-      member("ricochet::members", room(n)),
-      island(uninitialised<List<int>>("ricochet::island", room(n))),
-      chains(room(n), room(n)),
-      tallies("ricochet::island_tally", room(n)),
-      heap(uninitialised<List<int>>("ricochet::heap_of_events", room(n))),
-      place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", room(n))),
+      member("ricochet::members", room),
+      island(uninitialised<List<int>>("ricochet::island", room)),
+      chains(room, room),
+      tallies("ricochet::island_tally", room),
+      heap(uninitialised<List<int>>("ricochet::heap_of_events", room)),
+      place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", room)),
       log("ricochet::past_flights", n / 16 + 1024),
       logged("ricochet::logged"),
       heaped("ricochet::heaped")
@@ -125,6 +123,9 @@ struct IslandMemory {
         "ricochet::begin_islands", Range<Space>(space, 0, n),
         KOKKOS_LAMBDA(int i) { trees.reset(i); });
   }
+
+  /// How many members there is room for.
+  int room() const { return static_cast<int>(member.extent(0)); }
 };
 
 /// What all kernels of a window work on.
@@ -248,8 +249,7 @@ struct BeginMembers {
     int const i = w.slot(number);
     w.islands.number(i) = number;
     w.islands.chains.reset(number);
-    w.member(number) = {w.first_flight(i), Real(0),       partner::none,
-                        partner::none,     partner::none, 0};
+    w.member(number) = {w.first_flight(i), Real(0), partner::none, partner::none, partner::none, 0};
   }
 };
 
@@ -335,8 +335,11 @@ template <class Space, class Real, bool periodic>
 class Many {
  public:
   KOKKOS_FUNCTION Many(Window<Space, Real, periodic> const& w, int root, int size)
-    : w_(w), before_{w}, root_(root), size_(size), heap_(&w.islands.heap(fetch_add<Space>(
-                                                       w.islands.heaped(), size)))
+    : w_(w),
+      before_{w},
+      root_(root),
+      size_(size),
+      heap_(&w.islands.heap(fetch_add<Space>(w.islands.heaped(), size)))
   {
     int k = 0;
     w.islands.chains.for_each(root, [&](int i) { put(i, k++); });
@@ -668,7 +671,7 @@ struct VerifyIslands {
     int const root = w.island_of(i);
     if (root < 0)
       w.m.call_up(i, pass + 1);
-    else if (w.m.call_up(w.slot(root), pass + 1)) // or another thread does this
+    else if (w.m.call_up(w.slot(root), pass + 1)) // or somebody else does this
       w.islands.chains.for_each(root, [&](int k) { w.m.call_up(w.slot(k), pass + 1); });
   }
 };

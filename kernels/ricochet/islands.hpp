@@ -12,6 +12,7 @@ template <class Space>
 struct Forest {
   Kokkos::View<int*, Space> parent;
 
+  Forest() = default;
   explicit Forest(int nodes)
     : parent(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::forest"), nodes)
   {
@@ -23,10 +24,10 @@ struct Forest {
   /// The root of the set of `node`.
   KOKKOS_INLINE_FUNCTION int root(int node) const
   {
-    int above = read(node);
+    int above = peek(parent(node));
     while (above != node) {
       node = above;
-      above = read(node);
+      above = peek(parent(node));
     }
     return node;
   }
@@ -44,13 +45,6 @@ struct Forest {
         return;
     }
   }
-
- private:
-  /// Other threads may write meanwhile.
-  KOKKOS_INLINE_FUNCTION int read(int node) const
-  {
-    return *static_cast<int const volatile*>(&parent(node));
-  }
 };
 
 /// Lists of slots, one a node, that any number of threads may append to.
@@ -62,6 +56,7 @@ struct Chains {
   Ints first; ///< of each node's list, or none
   Ints next;  ///< after each slot in its list, or none
 
+  Chains() = default;
   Chains(int nodes, int slots)
     : first(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::first_in_chain"), nodes),
       next(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::next_in_chain"), slots)

@@ -165,6 +165,17 @@ KOKKOS_INLINE_FUNCTION int exchange(int& number, int replacement)
   }
 }
 
+/// Reads, and writes, a number that other work items of a kernel may write meanwhile, all of them
+/// the same.
+KOKKOS_INLINE_FUNCTION int peek(int const& number)
+{
+  return *static_cast<int const volatile*>(&number);
+}
+KOKKOS_INLINE_FUNCTION void poke(int& number, int value)
+{
+  *static_cast<int volatile*>(&number) = value;
+}
+
 /// Replaces such a number if it is `expected`; returns the one before.
 template <class Space>
 KOKKOS_INLINE_FUNCTION int compare_exchange(int& number, int expected, int replacement)

@@ -32,6 +32,9 @@ class LineSearch {
   CellGrid<Space, Real>& grid() { return grid_; }
   Counts const& counts() const { return counts_; }
 
+  /// Makes room for as many in the list of those called up.
+  void keep_listed(int listed) { memory_.keep_listed(listed); }
+
   /// Makes the next stretch begin with a sort.
   void forget() { is_sorted_ = false; }
 

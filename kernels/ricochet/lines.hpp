@@ -78,16 +78,18 @@ struct LineMemory {
   {
   }
 
-  /// Returns whether the disc was not called up for this round before.
+  /// Returns whether the disc was not called up for this round before; several threads that call it
+  /// up at the same time may all be told so.
   KOKKOS_INLINE_FUNCTION bool call_up(int slot, int round) const
   {
-    if (exchange<Space>(called(slot), round) == round)
+    if (peek(called(slot)) == round)
       return false;
-    exchange<Space>(called_in_block(slot / block), round);
+    poke(called(slot), round);
+    poke(called_in_block(slot / block), round);
     return true;
   }
 
-  int blocks() const { return static_cast<int>(called_in_block.extent(0)); }
+  KOKKOS_INLINE_FUNCTION int blocks() const { return static_cast<int>(called_in_block.extent(0)); }
 
   /// Calls visit(slot) for those of a block of slots that were called up, and takes it back.
   template <class Visit>
@@ -108,7 +110,13 @@ struct LineMemory {
   KOKKOS_INLINE_FUNCTION void dismiss(int slot) const
   {
     called(slot) = 0;
-    exchange<Space>(called_in_block(slot / block), 0); // others of the block do so, too
+    poke(called_in_block(slot / block), 0); // others of the block do so, too
+  }
+
+  void keep_listed(int listed)
+  {
+    list = Ints(); // gives the old memory back first
+    list = uninitialised<Ints>("ricochet::called_up", listed);
   }
 
   bool has_room(int candidates) const
@@ -126,15 +134,20 @@ struct ListCalled {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
   {
-    if (m.called_in_block(b) == round)
-      for_each_in_block(b, m.block, static_cast<int>(m.called.extent(0)), [&](int slot) {
-        if (m.called(slot) != round)
-          return;
-        if (final && place + before < static_cast<int>(m.list.extent(0)))
-          m.list(place + before) = slot;
-        ++before;
-      });
-    if (final && b + 1 == static_cast<int>(m.called_in_block.extent(0)))
+    int const n = static_cast<int>(m.called.extent(0));
+    if (m.called_in_block(b) == round) {
+      if (final) {
+        int at = place + before;
+        for_each_in_block(b, m.block, n, [&](int slot) {
+          if (m.called(slot) == round && at < static_cast<int>(m.list.extent(0)))
+            m.list(at++) = slot;
+        });
+      }
+      int count = 0; // without a branch
+      for_each_in_block(b, m.block, n, [&](int slot) { count += m.called(slot) == round ? 1 : 0; });
+      before += count;
+    }
+    if (final && b + 1 == m.blocks())
       m.counts().called = before;
   }
 };
