@@ -108,7 +108,7 @@ class EventDriven : public Engine {
         make_room(length, end);
         return false;
       }
-      Range<Space> const members(space_, begin, end);
+      auto const members = uneven(space_, begin, end);
       auto const outcome = evolve_islands(before, pass, members);
       speed_ = std::max(speed_, std::sqrt(outcome.speed2));
       search_.note_speed(speed_);
@@ -225,7 +225,7 @@ class EventDriven : public Engine {
   double mean_square_speed() const;
   template <bool periodic>
   Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
-                               Range<Space> const& members);
+                               UnevenRange<Space> const& members);
   template <bool periodic>
   void commit(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>
@@ -315,7 +315,8 @@ double EventDriven<Space, Real>::mean_square_speed() const
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass, Range<Space> const& members)
+                                                       int pass,
+                                                       UnevenRange<Space> const& members)
 {
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};

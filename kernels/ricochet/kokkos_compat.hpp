@@ -31,6 +31,18 @@ ViewType uninitialised(std::string const& label, Extents... extents)
 template <class Space>
 using Range = Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>;
 
+/// Work items that take unlike times: threads take a chunk of them as they come to it, instead of an
+/// equal share each.
+template <class Space>
+using UnevenRange =
+    Kokkos::RangePolicy<Space, Kokkos::IndexType<int>, Kokkos::Schedule<Kokkos::Dynamic>>;
+
+template <class Space>
+UnevenRange<Space> uneven(Space const& space, int begin, int end)
+{
+  return UnevenRange<Space>(space, begin, end, Kokkos::ChunkSize(64));
+}
+
 /// Whether kernels on `Space` run on the host, in its memory.
 template <class Space>
 constexpr bool shares_host_memory =

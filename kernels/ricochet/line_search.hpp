@@ -212,7 +212,7 @@ void LineSearch<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs
   Kokkos::deep_copy(space, memory_.counts, counts_);
   using List = ListCandidates<Space, Real, periodic>;
   Kokkos::parallel_for("ricochet::list_candidates",
-                       Range<Space>(space, 0, blocks_of(List::block, discs.count())),
+                       uneven(space, 0, blocks_of(List::block, discs.count())),
                        List{lines<periodic>(discs, length, 1.5)});
   counts_ = value_after(space, memory_.counts);
 }
@@ -291,7 +291,7 @@ void LineSearch<Space, Real>::find(Space const& space, Discs<Space, Real> const&
     auto const end = static_cast<float>((since_sort_ + length) * (1 + 1e-6));
     using Find = FindAmongCandidates<Space, Real, periodic, Meetings>;
     Kokkos::parallel_reduce("ricochet::find_among_candidates",
-                            Range<Space>(space, 0, blocks_of(Find::block, counts.candidates)),
+                            uneven(space, 0, blocks_of(Find::block, counts.candidates)),
                             Find{here, meetings, counts.candidates, end},
                             Merge<Happened, Space>(happened_));
     enter_happened(space, memory_, happened_, books);
