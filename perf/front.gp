@@ -4,11 +4,11 @@ set output ARG2
 data = ARG1
 set datafile missing '?'
 set logscale xy
-set xrange [300:40000]
+set xrange [120:7000]
 set bars 0.6
 set yrange [0.01:120]
 set format y '%g'
-set xtics (500, 1000, 2000, 5000, 10000, 20000)
+set xtics (200, 500, 1000, 2000, 5000)
 set grid xtics ytics lt 1 lc rgb '#d0d0d0'
 set xlabel 'cost  [core-ns per disc and σ/v_{th}]'
 set ylabel '|error of Z|  [%]'

@@ -12,8 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <string>
+#include <type_traits>
 #include <variant>
+#include <vector>
 
 namespace ricochet {
 
@@ -72,9 +76,10 @@ class EventDriven : public Engine {
   void window()
   {
     ProfilingRegion const region("ricochet::window");
+    double const longest = longest_window();
     double parts, fastest = 0;
     do {
-      parts = std::ceil(remaining_ / std::min(window_, longest_window()));
+      parts = std::max(1.0, std::ceil(remaining_ / std::min(window_, longest)));
     } while (!advance<periodic>(remaining_ / parts, fastest));
     double const length = remaining_ / parts;
     remaining_ = parts > 1 ? remaining_ - length : 0;
@@ -83,7 +88,7 @@ class EventDriven : public Engine {
 
   /// Advances all discs by a length of time, if its islands are no more than a window can have, and
   /// make no disc much faster than the fastest at the start, or than `fastest`. Returns false if
-  /// not; nothing has happened then, and `window_`, the log or `fastest` is another.
+  /// not; nothing has happened then, and `window_`, `fastest` or some memory is another.
   template <bool periodic>
   bool advance(double length, double& fastest)
   {
@@ -93,6 +98,7 @@ class EventDriven : public Engine {
       return UniteMeeting<Space, Real, periodic>{lines.m, memory_.forest};
     });
     Kokkos::deep_copy(space_, memory_.logged, 0);
+    double speed = speed_;
     int begin = 0; // of the members in a pass
     for (int pass = 1;; ++pass) {
       int const end = begin + search_.list_called(space_, pass, begin);
@@ -101,37 +107,71 @@ class EventDriven : public Engine {
         if (end > 0)
           commit(before, end);
         fly(length);
+        speed_ = speed + std::fabs(model_.gravity) * length;
         return true;
       }
-      if (end > memory_.room()) {
+      bool const can_be_shorter = length > shortest_window_;
+      if (end > memory_.room() || (can_be_shorter && end > first_room(discs_.count()))) {
         give_up(before);
-        make_room(length, end);
+        make_room(can_be_shorter, length, end);
         return false;
       }
       auto const members = uneven(space_, begin, end);
       auto const outcome = evolve_islands(before, pass, members);
-      speed_ = std::max(speed_, std::sqrt(outcome.speed2));
-      search_.note_speed(speed_);
-      // In islands of many, and for images, was looked for no faster discs than these.
-      if (outcome.speed2 > before.speed * before.speed)
-        fastest = std::sqrt(outcome.speed2);
-      if (fastest > before.speed || !is_acceptable(outcome, length))
-        return give_up(before);
-      Window<Space, Real, periodic> const after(lines<periodic>(length, 1), memory_);
-      Kokkos::parallel_for("ricochet::verify_islands", members,
-                           VerifyIslands<Space, Real, periodic>{after, pass});
+      speed = std::max(speed, std::sqrt(outcome.speed2));
+      search_.note_speed(speed);
+      if (speed > before.speed) { // islands of many, and images, were looked for too near
+        give_up(before);
+        fastest = speed;
+        return false;
+      }
+      if (is_too_much(outcome, speed)) {
+        give_up(before);
+        make_easier(length, outcome);
+        return false;
+      }
+      verify_islands(Window<Space, Real, periodic>(lines<periodic>(length, 1), memory_), pass,
+                     members);
       begin = end;
     }
   }
 
-  /// Makes windows shorter, if they can be, because of too many members; or more room for them.
-  void make_room(double length, int members)
+  /// Whether a pass cannot be gone on with.
+  bool is_too_much(Outcome<Real> const& outcome, double speed) const
   {
-    if (length > shortest_window_) {
+    return outcome.stuck.first != Stuck<Real>::nowhere || outcome.largest > largest_island_ ||
+           outcome.unlogged > 0 || (is_periodic(model_.box) && speed > most_growth * speed_);
+  }
+
+  /// Makes the log longer, or windows shorter because of an island that was too much for one of
+  /// this length.
+  ///
+  /// This is where an island with lasting contact comes to, and where a solver for it belongs. An
+  /// island has that when it needs more than its budget of events however short the window is.
+  void make_easier(double length, Outcome<Real> const& outcome)
+  {
+    bool const is_stuck = outcome.stuck.first != Stuck<Real>::nowhere;
+    bool const is_large = outcome.largest > largest_island_;
+    if (outcome.unlogged > 0 && !is_stuck && !is_large) {
+      auto const entries = memory_.log.extent(0) + 2 * static_cast<std::size_t>(outcome.unlogged);
+      memory_.log = decltype(memory_.log)("ricochet::past_flights", entries);
+      return;
+    }
+    bool const shortest = length <= shortest_window_;
+    if (is_stuck && shortest)
+      throw LastingContact(description(outcome.stuck));
+    if (shortest)
+      largest_island_ = std::numeric_limits<int>::max();
+    window_ = std::max(shortest_window_, length / 8);
+  }
+
+  /// Makes windows shorter, if they can be, because of too many members; or more room for them.
+  void make_room(bool can_be_shorter, double length, int members)
+  {
+    if (can_be_shorter) {
       window_ = std::max(shortest_window_, length / 2);
       return;
     }
-    memory_ = {}; // gives the old memory back first
     memory_ = {space_, discs_.count(), 2 * members};
     search_.keep_listed(2 * members);
   }
@@ -162,20 +202,6 @@ class EventDriven : public Engine {
     return true;
   }
 
-  /// Makes windows shorter because of an island that was too much for one of this length.
-  ///
-  /// This is where an island with lasting contact comes to, and where a solver for it belongs. An
-  /// island has that when it needs more than its budget of events however short the window is.
-  void shorten(double length, Outcome<Real> const& outcome)
-  {
-    bool const shortest = length <= shortest_window_;
-    if (outcome.stuck.first != Stuck<Real>::nowhere && shortest)
-      throw LastingContact(description(outcome.stuck));
-    if (shortest)
-      largest_island_ = std::numeric_limits<int>::max();
-    window_ = std::max(shortest_window_, length / 8);
-  }
-
   /// Members that there is room for at first. If they are half of all discs, windows are too long.
   static int first_room(int discs) { return discs / 2 + 1024; }
 
@@ -184,15 +210,16 @@ class EventDriven : public Engine {
   void choose_first_window();
 
   /// In a window no disc flies farther than some diameters, or the square of a distance would leave
-  /// little of that of a diameter; nor through more than a part of a periodic box, nor falls deeper
-  /// than the box is high.
+  /// little of that of a diameter; nor, at the speed of the fastest, through more than a sixteenth
+  /// of a periodic box, in which two are then not farther apart than one and a half; nor falls
+  /// deeper than the box is high.
   double longest_window() const
   {
     double path = (sizeof(Real) > sizeof(float) ? 128 : 16) * model_.radius;
     if (model_.box.x == Boundary::periodic)
-      path = std::min(path, model_.box.width / 4);
+      path = std::min(path, model_.box.width / 16);
     if (model_.box.y == Boundary::periodic)
-      path = std::min(path, model_.box.height / 4);
+      path = std::min(path, model_.box.height / 16);
     double const g = std::fabs(model_.gravity);
     double const fall = g > 0 ? std::sqrt(model_.box.height / g) : dt_;
     return speed_ > 0 ? std::min(path / speed_, fall) : fall;
@@ -206,6 +233,7 @@ class EventDriven : public Engine {
     double const factor = events > 0 ? events_aimed_at() / events : 2;
     // A window that was cut short by the step says nothing about a much longer one.
     window_ = std::clamp(length * factor, window_ / 2, window_ * 1.5);
+    window_ = std::max(window_, shortest_window_);
     largest_island_ = large_island();
     ++windows_;
   }
@@ -213,6 +241,9 @@ class EventDriven : public Engine {
   double events_aimed_at() const { return std::max(events_per_disc * discs_.count(), 8.0); }
 
   static constexpr double events_per_disc = 0.05; ///< in a window
+  /// In a window of a periodic box the fastest disc becomes no faster than this; see
+  /// longest_window().
+  static constexpr double most_growth = 4;
   /// With more members the windows are too long: threads would wait for the one that evolves it.
   int large_island() const { return std::max(256, discs_.count() / 16); }
 
@@ -226,6 +257,9 @@ class EventDriven : public Engine {
   template <bool periodic>
   Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
                                UnevenRange<Space> const& members);
+  template <bool periodic>
+  void verify_islands(Window<Space, Real, periodic> const& window, int pass,
+                      UnevenRange<Space> const& members);
   template <bool periodic>
   void commit(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>
@@ -250,7 +284,7 @@ class EventDriven : public Engine {
   double remaining_ = 0;       ///< of the present step
   double window_ = 0;          ///< most that the next window should last
   double speed_ = 0;           ///< of the fastest disc in the step so far; no less than that
-  double shortest_window_ = 0; ///< below it, many events mean lasting contact
+  double shortest_window_ = 0; ///< in which many events mean lasting contact
   int largest_island_ = large_island();
 };
 
@@ -315,8 +349,7 @@ double EventDriven<Space, Real>::mean_square_speed() const
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass,
-                                                       UnevenRange<Space> const& members)
+                                                       int pass, UnevenRange<Space> const& members)
 {
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
@@ -339,6 +372,15 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
 
 template <class Space, class Real>
 template <bool periodic>
+void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass,
+                                              UnevenRange<Space> const& members)
+{
+  Kokkos::parallel_for("ricochet::verify_islands", members,
+                       VerifyIslands<Space, Real, periodic>{window, pass});
+}
+
+template <class Space, class Real>
+template <bool periodic>
 void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window, int members)
 {
   with_landing(discs_, model_, static_cast<double>(window.arena.end), [&](auto const& land) {
@@ -356,7 +398,6 @@ void EventDriven<Space, Real>::fly(double length)
   with_landing(discs_, model_, length, [&](auto const& land) {
     Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
   });
-  speed_ += std::fabs(model_.gravity) * length;
   search_.end(length, false);
 }
 

@@ -118,10 +118,7 @@ struct IslandMemory {
       heaped("ricochet::heaped")
   {
     Kokkos::deep_copy(space, number, partner::none);
-    auto const trees = forest;
-    Kokkos::parallel_for(
-        "ricochet::begin_islands", Range<Space>(space, 0, n),
-        KOKKOS_LAMBDA(int i) { trees.reset(i); });
+    reset_all(space, forest, n);
   }
 
   /// How many members there is room for.
@@ -225,8 +222,6 @@ struct Window : Lines<Space, Real, periodic> {
 /// Those who meet, if nobody else interferes, are in one island; see FindAmongCandidates.
 template <class Space, class Real, bool periodic>
 struct UniteMeeting {
-  static constexpr bool happen = true; ///< or one of them is on another line, with other candidates
-
   LineMemory<Space> m;
   Forest<Space> forest;
 
@@ -542,7 +537,7 @@ struct EvolveIslands {
       now.place.x = v.x < 0 ? -w.arena.wall_x : w.arena.wall_x;
       now.velocity = {wall_rule.normal(v.x), wall_rule.tangential(v.y)};
     } else {
-      bool const floor = v.y < 0 || (v.y == 0 && w.arena.gravity > 0);
+      bool const floor = now.place.y < 0; // at the height of an arc the velocity does not tell
       now.place.y = floor ? -w.arena.wall_y : w.arena.wall_y;
       now.velocity = {wall_rule.tangential(v.x), wall_rule.normal(v.y)};
     }
@@ -578,20 +573,25 @@ struct EvolveIslands {
 
   KOKKOS_INLINE_FUNCTION void note_stuck(int i, Outcome<Real>& outcome) const
   {
-    auto const& next = w.member(i);
-    auto const p = motion(i, next.due).place;
+    Real const time = w.member(i).due;
+    int const with = w.member(i).with;
+    int const first = with >= 0 && w.id(with) < w.id(i) ? with : i, other = first == i ? with : i;
+    auto const p = motion(first, time).place;
     Outcome<Real> here;
-    here.stuck = {w.id(i), next.with >= 0 ? w.id(next.with) : next.with, p.x, p.y, next.due};
+    here.stuck = {w.id(first), other >= 0 ? w.id(other) : other, p.x, p.y, time};
     outcome.merge(here);
   }
 };
 
 /// Compares the paths that discs have really taken with those of all around them outside their
-/// island; where two meet, their islands are one in the next pass. At the same time it lists the
-/// candidates that discs have on their new lines.
+/// island; where two meet, their islands are one in the next pass. A path is also compared with the
+/// line that another disc began the window with, where that was on another then: in a later pass it
+/// may leave it later.
 ///
-/// A path is also compared with the line that another disc began the window with, where that was
-/// on another then: in a later pass it may leave it later.
+/// At the same time it lists the candidates that discs have on their last lines: of every two, at
+/// least one of which is on another line than when the window began, the one that was evolved last
+/// lists them, with the line that the other has then; of two evolved in the same pass, the
+/// deflected one, or the one in the lower slot.
 template <class Space, class Real, bool periodic>
 struct VerifyIslands {
   Window<Space, Real, periodic> w;
@@ -600,9 +600,12 @@ struct VerifyIslands {
   KOKKOS_INLINE_FUNCTION void operator()(int number) const
   {
     auto const& own = w.member(number);
-    if (own.pass == 0)
-      return;
     int const i = w.slot(number), island = w.islands.island(number);
+    if (own.pass == 0) {
+      if (pass > 1 && w.lists_candidates())
+        list_those_deflected_before(i, own.flight);
+      return;
+    }
     auto const& flight = own.flight;
     auto const line = flight.line();
     CandidateBatch<Space, Real> batch(w.m);
@@ -658,6 +661,18 @@ struct VerifyIslands {
     w.list_candidate(i, line, k, other.flight.line(), from, batch);
   }
 
+  /// Lists the candidates of a disc that is, after all, on the line that it began the window with:
+  /// those evolved in earlier passes know it on another.
+  KOKKOS_FUNCTION void list_those_deflected_before(int i, Flight<Real> const& flight) const
+  {
+    CandidateBatch<Space, Real> batch(w.m);
+    w.for_each_near(i, flight, w.until, [&](int k) {
+      if (k != i && w.is_deflected(k) && w.member(w.number(k)).pass < pass)
+        list_candidate(i, flight.line(), Real(0), k, batch);
+    });
+    batch.flush();
+  }
+
   /// Notes that discs i and k, of different islands or one of none, meet.
   KOKKOS_INLINE_FUNCTION void join(int i, int k) const
   {
@@ -689,7 +704,7 @@ struct CommitIslands {
   KOKKOS_INLINE_FUNCTION void operator()(int number, Happened& happened) const
   {
     int const i = w.slot(number);
-    if (w.number(i) != number) // it has been evolved again
+    if (w.number(i) != number) // it has been evolved again, with another number, or is none by now
       return;
     auto const& own = w.member(number);
     if (own.pass > 0) {

@@ -47,6 +47,15 @@ struct Forest {
   }
 };
 
+/// Makes each of the first `nodes` nodes a set of its own.
+template <class Space>
+void reset_all(Space const& space, Forest<Space> const& forest, int nodes)
+{
+  Kokkos::parallel_for(
+      "ricochet::reset_forest", Range<Space>(space, 0, nodes),
+      KOKKOS_LAMBDA(int node) { forest.reset(node); });
+}
+
 /// Lists of slots, one a node, that any number of threads may append to.
 template <class Space>
 struct Chains {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace ricochet {
 
@@ -123,7 +124,8 @@ class LineSearch {
   bool must_sort(double length) const
   {
     return !is_sorted_ || stretches_ == longest_ahead ||
-           since_sort_ + length > horizon_ * (1 + 1e-9) || !is_near(travel_ + longest_path(length));
+           since_sort_ + length > horizon_ * (1 + 1e-13) ||
+           !is_near(travel_ + longest_path(length));
   }
 
   /// Whether discs that meet are in neighbouring cells, if none is farther than `travel` from where

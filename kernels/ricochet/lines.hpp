@@ -17,6 +17,9 @@
 #include "ricochet/contacts.hpp"
 #include "ricochet/free_paths.hpp"
 
+#include <limits>
+#include <type_traits>
+
 namespace ricochet {
 
 /// The line of a disc, in the falling frame.
@@ -360,7 +363,8 @@ struct ListCandidates {
 
 /// Finds who of the candidates meets in the stretch, a block of them at a time: calls
 /// meetings.pair(i, k) for those, and meetings.wall(i) for discs that may meet a wall. Candidates
-/// that will not meet any more on their lines are not looked at again.
+/// that will not meet any more on their lines are not looked at again; nor are pairs that meet, for
+/// one of them gets another line, and lists the candidates that it has then.
 template <class Space, class Real, bool periodic, class Meetings>
 struct FindAmongCandidates {
   static constexpr int block = block_on_host<Space, 64>;
@@ -393,7 +397,7 @@ struct FindAmongCandidates {
       if (!meet(lines, i, k, happened.books))
         return !(lines.not_before(line, lines.line(k), 0) < lines.until);
       meetings.pair(i, k);
-      return Meetings::happen;
+      return true;
     }
     if (!lines.misses_walls(line, 0, lines.arena.end))
       meetings.wall(i);

@@ -112,8 +112,6 @@ struct ToiStep : Lines<Space, Real, periodic> {
 /// Those who meet when a step begins are partners; see FindAmongCandidates.
 template <class Space, class Real, bool periodic>
 struct BeginWith {
-  static constexpr bool happen = true; ///< or one of them gets another line, and other candidates
-
   ToiStep<Space, Real, periodic> step;
 
   KOKKOS_INLINE_FUNCTION void pair(int i, int k) const { step.enter_partners(i, k, 1); }

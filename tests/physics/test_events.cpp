@@ -388,6 +388,29 @@ TEST(Events, OfADenseClusterAreTheReferences)
   EXPECT_GT(run->report().collisions, 4 * 144);
 }
 
+/// A disc (k, at the centre) is in the way of another (m), which a third (b) takes off its way,
+/// deflected itself in the same window. So k stays where it is, and is still there when a fourth
+/// (i) comes in the next window. In the course of finding that out k was elsewhere when i looked.
+TEST(Events, DoNotForgetWhoStaysAfterAll)
+{
+  DiscState const k{0, 0, 0, 0}, m{-3.2, 0, 1.5, 0}, b{-2.45, 2.9, 0, 0}, e{-2.45, 5.5, 0, -3};
+  DiscState const i{0, 4.4, 0, 0}, f{0, 7, 0, -2}; // i is hit at 0.3, and meets k at 1.5
+  Scene scene;
+  scene.model = make_model(40, 40, 0, elastic);
+  scene.dt = 1; // a window
+  for (auto const& discs : {std::vector<DiscState>{k, i, m, b, e, f}, {i, k, m, b, e, f}}) {
+    scene.discs = discs;
+    auto const run = start(scene, way);
+    run->advance(1);
+    EXPECT_EQ(run->report().collisions, 3);
+    run->advance(1);
+    EXPECT_EQ(run->report().collisions, 4);
+    auto const after = states(run);
+    EXPECT_NEAR(after[0].vy + after[1].vy, -2, 1e-12);
+    EXPECT_NEAR(std::min(after[0].y, after[1].y), -1, 1e-12); // k, since 1.5
+  }
+}
+
 /// Rows of discs that all hit their right-hand neighbour at the same time: after it every disc
 /// moves as its partner did, to the rounding of places.
 TEST(Events, ThatCoincideAllHappen)
