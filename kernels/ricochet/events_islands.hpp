@@ -537,7 +537,7 @@ struct EvolveIslands {
       now.place.x = v.x < 0 ? -w.arena.wall_x : w.arena.wall_x;
       now.velocity = {wall_rule.normal(v.x), wall_rule.tangential(v.y)};
     } else {
-      bool const floor = now.place.y < 0; // at the height of an arc the velocity does not tell
+      bool const floor = is_floor(now.place.y, v.y, w.arena.gravity);
       now.place.y = floor ? -w.arena.wall_y : w.arena.wall_y;
       now.velocity = {wall_rule.tangential(v.x), wall_rule.normal(v.y)};
     }

@@ -86,7 +86,7 @@ struct Bounces {
   {
     auto const before = disc;
     auto const v = before.velocity;
-    bool const below = v.y < 0 || (v.y == 0 && g > 0);
+    bool const below = is_floor(disc.place.y, v.y, g);
     disc.place.y = below ? -high.y : high.y;
     disc.velocity = {wall.tangential(v.x), wall.normal(v.y)};
     Real const pull = below ? g : -g; // towards the wall

@@ -50,6 +50,14 @@ KOKKOS_INLINE_FUNCTION Real time_to_cover(Real gap, Real speed, Real pull)
   return sum > 0 ? 2 * gap / sum : 0;
 }
 
+/// Whether a disc at the height `y` that has met the floor or the ceiling has met the floor. At the
+/// height of its arc the velocity does not tell; the height does not in a box one disc high.
+template <class Real>
+KOKKOS_INLINE_FUNCTION bool is_floor(Real y, Real velocity, Real gravity)
+{
+  return y != 0 ? y < 0 : velocity < 0 || (velocity == 0 && gravity > 0);
+}
+
 /// Time until two points `d` apart with relative velocity `w` are sqrt(`distance2`) from each
 /// other; infinite if never, or if clearly later than `limit`. With b = d.w and
 /// c = d^2 - distance^2 it is the smaller root of c + 2 b t + w^2 t^2 = 0, in the form that does

@@ -31,8 +31,8 @@ ViewType uninitialised(std::string const& label, Extents... extents)
 template <class Space>
 using Range = Kokkos::RangePolicy<Space, Kokkos::IndexType<int>>;
 
-/// Work items that take unlike times: threads take a chunk of them as they come to it, instead of an
-/// equal share each.
+/// Work items that take unlike times: threads take a chunk of them as they come to it, instead of
+/// an equal share each.
 template <class Space>
 using UnevenRange =
     Kokkos::RangePolicy<Space, Kokkos::IndexType<int>, Kokkos::Schedule<Kokkos::Dynamic>>;

@@ -257,7 +257,7 @@ struct ResolveContacts {
       now.place.x = v.x < 0 ? -arena.wall_x : arena.wall_x;
       now.velocity = {wall.normal(v.x), wall.tangential(v.y)};
     } else {
-      bool const below = v.y < 0 || (v.y == 0 && arena.gravity > 0);
+      bool const below = is_floor(before.place.y, v.y, arena.gravity);
       now.place.y = below ? -arena.wall_y : arena.wall_y;
       now.velocity = {wall.tangential(v.x), wall.normal(v.y)};
       Real const pull = below ? arena.gravity : -arena.gravity;

@@ -401,9 +401,7 @@ TEST(Events, DoNotForgetWhoStaysAfterAll)
   for (auto const& discs : {std::vector<DiscState>{k, i, m, b, e, f}, {i, k, m, b, e, f}}) {
     scene.discs = discs;
     auto const run = start(scene, way);
-    run->advance(1);
-    EXPECT_EQ(run->report().collisions, 3);
-    run->advance(1);
+    run->advance(2); // without a report, which might have the discs sorted
     EXPECT_EQ(run->report().collisions, 4);
     auto const after = states(run);
     EXPECT_NEAR(after[0].vy + after[1].vy, -2, 1e-12);

@@ -272,7 +272,8 @@ void ToiReference<Real>::bounce(Disc& disc, Event const& event)
     now.vx = -(alpha_ * before.vx);
     now.vy = beta_ * before.vy;
   } else {
-    bool const floor = before.vy < 0 || (before.vy == 0 && g_ > 0);
+    // In a box one disc high the two are at the same height.
+    bool const floor = before.y != 0 ? before.y < 0 : before.vy < 0 || (before.vy == 0 && g_ > 0);
     now.y = floor ? -most_y_ : most_y_;
     now.vx = beta_ * before.vx;
     now.vy = -(alpha_ * before.vy);
