@@ -320,7 +320,6 @@ template <bool periodic>
 Real LineSearch<Space, Real>::closest_candidates(Space const& space,
                                                  Discs<Space, Real> const& discs) const
 {
-  auto const places = discs;
   auto const candidate = memory_.candidate;
   Domain<Real, periodic> const domain(model_.box);
   Real closest2 = 0;
@@ -330,7 +329,7 @@ Real LineSearch<Space, Real>::closest_candidates(Space const& space,
         int const i = candidate(place, 0), k = candidate(place, 1);
         if (k == partner::none)
           return;
-        auto const d = domain.separation(places.position(i), places.position(k));
+        auto const d = domain.separation(discs.position(i), discs.position(k));
         least = dot(d, d) < least ? dot(d, d) : least;
       },
       Kokkos::Min<Real>(closest2));
