@@ -302,6 +302,14 @@ TEST_P(FreeFlight, IsTheSameHoweverItIsCalledAndFromACheckpoint)
   expect_same_from_checkpoint(scene, GetParam(), 20, 30);
 }
 
+/// It has no velocity left there, which could tell the ceiling from the floor.
+TEST_P(FreeFlight, TurnsRoundAtACeilingThatIsJustReached)
+{
+  auto const run = start(alone(10, elastic, {0, 14, 0, 10}, 1.5), GetParam());
+  run->advance(1);
+  EXPECT_TRUE(close(states(run), {{0, 19 - 10 * 0.25 / 2, 0, -5}}, 100 * unit()));
+}
+
 TEST_P(FreeFlight, RefusesDiscsBeyondAWall)
 {
   EXPECT_THROW(start(alone(0, elastic, {19.5, 0, 0, 0}, 1), GetParam()), std::invalid_argument);

@@ -138,6 +138,14 @@ TEST_P(Toi, KeepsTheEnergyOfABouncingBall)
               4 * static_cast<double>(steps) * unit() * report.energy.initial());
 }
 
+/// A disc with no velocity left, which could tell the ceiling from the floor.
+TEST_P(Toi, TurnsADiscRoundAtACeilingThatIsJustReached)
+{
+  auto const run = start(scene_of(40, 40, 10, elastic, {{0, 14, 0, 10}}, 1.5), GetParam());
+  run->advance(1);
+  EXPECT_TRUE(close(states(run), {{0, 19 - 10 * 0.25 / 2, 0, -5}}, 100 * unit()));
+}
+
 /// A ball comes to rest at sqrt(2 h/g) (1 + a)/(1 - a), after infinitely many bounces; the step in
 /// which that is ends with the ball at rest, and so do all after it, without further events but one
 /// a step. Its tangential velocity is kept without friction and lost with it.
