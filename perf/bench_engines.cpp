@@ -96,7 +96,7 @@ Fluid const& fluid(benchmark::State const& state)
   if (is_new) {
     double const packing = static_cast<double>(state.range(1)) / 100;
     fluid.gas = perf::elastic_gas(static_cast<int>(state.range(0)), packing);
-    fluid.round = 1 / perf::collision_rate(fluid.gas, packing);
+    fluid.round = 1 / perf::collision_rate(fluid.gas);
     auto const simulation = make_engine(fluid.gas.model, exact(fluid.round), fluid.gas.discs);
     simulation->advance(20);
     simulation->states(fluid.gas.discs.data());

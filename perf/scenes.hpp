@@ -70,14 +70,11 @@ inline Gas elastic_gas(int count, double packing)
   return result;
 }
 
-/// Collisions of a disc per time in an elastic gas at packing fraction `packing`: Enskog's rate
-/// with the contact value of Henderson 1975 (doi 10.1080/00268977500102511),
-///   8 packing / (sqrt(pi) diameter) contact_value thermal_speed.
-inline double collision_rate(Gas const& gas, double packing)
+/// Collisions of a disc per time in a gas.
+inline double collision_rate(Gas const& gas)
 {
-  constexpr double pi = 3.14159265358979323846;
-  double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
-  return 8 / std::sqrt(pi) * packing * contact_value * gas.thermal_speed / (2 * gas.model.radius);
+  return ricochet::collision_rate(gas.model, gas.discs.size(),
+                                  gas.thermal_speed * gas.thermal_speed);
 }
 
 /// A gas between walls whose lattice some collisions of each disc have melted, once for all
@@ -92,7 +89,7 @@ inline Gas melted_gas(int count, double packing, Contact const& contact, double 
     constexpr double collisions = 5;
     Method method;
     method.engine = EngineKind::events; // no other leaves discs that no engine finds to overlap
-    method.dt = collisions / collision_rate(melted, packing);
+    method.dt = collisions / collision_rate(melted);
     auto const simulation = make_engine(melted.model, method, melted.discs);
     simulation->advance(1);
     simulation->states(melted.discs.data());

@@ -134,7 +134,7 @@ void print_correctness(int discs)
   for (double const packing : packings) {
     auto gas = perf::melted_gas(discs, packing, elastic, 0);
     gas.model.box.x = gas.model.box.y = Boundary::periodic;
-    double const time = 20 / perf::collision_rate(gas, packing);
+    double const time = 20 / perf::collision_rate(gas);
     auto const run = [&](EngineKind engine, double dt) {
       Method method;
       method.engine = engine;

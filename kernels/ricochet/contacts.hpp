@@ -52,6 +52,15 @@ KOKKOS_INLINE_FUNCTION double virial_of(PairVelocity<Real> const& before,
   return 0.5 * dot(kick, as<double>(separation));
 }
 
+/// Kinetic energy that a collision takes out of a pair.
+template <class Real>
+KOKKOS_INLINE_FUNCTION double energy_lost(PairVelocity<Real> const& before,
+                                          PairVelocity<Real> const& after)
+{
+  return (kinetic_energy(before.first) + kinetic_energy(before.second)) -
+         (kinetic_energy(after.first) + kinetic_energy(after.second));
+}
+
 /// Enters the deepest overlap of a sorted state in the books.
 template <class Space, class Real, bool periodic>
 struct EnterOverlaps {

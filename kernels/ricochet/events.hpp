@@ -104,20 +104,18 @@ class EventDriven : public Engine {
       int const end = begin + search_.list_called(space_, pass, begin);
       Window<Space, Real, periodic> const before(lines<periodic>(length, 1.5), memory_);
       if (end == begin) {
-        if (end > 0)
-          commit(before, end);
-        fly(length);
+        land(before, end);
+        search_.end(length, false);
         speed_ = speed + std::fabs(model_.gravity) * length;
         return true;
       }
-      bool const can_be_shorter = length > shortest_window_;
-      if (end > memory_.room() || (can_be_shorter && end > first_room(discs_.count()))) {
+      if (end > memory_.room() || (can_be_shorter(length) && end > first_room(discs_.count()))) {
         give_up(before);
-        make_room(can_be_shorter, length, end);
+        make_room(length, end);
         return false;
       }
       auto const members = uneven(space_, begin, end);
-      auto const outcome = evolve_islands(before, pass, members);
+      auto const outcome = evolve_islands(before, pass, members, largest_island(length));
       speed = std::max(speed, std::sqrt(outcome.speed2));
       search_.note_speed(speed);
       if (speed > before.speed) { // islands of many, and images, were looked for too near
@@ -125,9 +123,15 @@ class EventDriven : public Engine {
         fastest = speed;
         return false;
       }
-      if (is_too_much(outcome, speed)) {
+      if (is_too_much(outcome, speed, length)) {
         give_up(before);
         make_easier(length, outcome);
+        return false;
+      }
+      if (outcome.unlogged > 0) {
+        give_up(before);
+        auto const entries = memory_.log.extent(0) + 2 * static_cast<std::size_t>(outcome.unlogged);
+        memory_.log = decltype(memory_.log)("ricochet::past_flights", entries);
         return false;
       }
       verify_islands(Window<Space, Real, periodic>(lines<periodic>(length, 1), memory_), pass,
@@ -136,39 +140,39 @@ class EventDriven : public Engine {
     }
   }
 
-  /// Whether a pass cannot be gone on with.
-  bool is_too_much(Outcome<Real> const& outcome, double speed) const
+  bool can_be_shorter(double length) const { return length > shortest_window_; }
+
+  /// Members of an island from which on a window is too long: threads would wait for the one that
+  /// evolves it.
+  int largest_island(double length) const
   {
-    return outcome.stuck.first != Stuck<Real>::nowhere || outcome.largest > largest_island_ ||
-           outcome.unlogged > 0 || (is_periodic(model_.box) && speed > most_growth * speed_);
+    return can_be_shorter(length) ? std::max(256, discs_.count() / 16)
+                                  : std::numeric_limits<int>::max();
   }
 
-  /// Makes the log longer, or windows shorter because of an island that was too much for one of
-  /// this length.
+  /// Whether a window of this length is too long for what happens in it. In a periodic box two
+  /// discs must not come farther apart than one and a half lengths of it.
+  bool is_too_much(Outcome<Real> const& outcome, double speed, double length) const
+  {
+    return outcome.stuck.first != Stuck<Real>::nowhere ||
+           outcome.largest > largest_island(length) || speed * length > narrowest_period() / 4;
+  }
+
+  /// Makes windows shorter.
   ///
   /// This is where an island with lasting contact comes to, and where a solver for it belongs. An
   /// island has that when it needs more than its budget of events however short the window is.
   void make_easier(double length, Outcome<Real> const& outcome)
   {
-    bool const is_stuck = outcome.stuck.first != Stuck<Real>::nowhere;
-    bool const is_large = outcome.largest > largest_island_;
-    if (outcome.unlogged > 0 && !is_stuck && !is_large) {
-      auto const entries = memory_.log.extent(0) + 2 * static_cast<std::size_t>(outcome.unlogged);
-      memory_.log = decltype(memory_.log)("ricochet::past_flights", entries);
-      return;
-    }
-    bool const shortest = length <= shortest_window_;
-    if (is_stuck && shortest)
+    if (outcome.stuck.first != Stuck<Real>::nowhere && !can_be_shorter(length))
       throw LastingContact(description(outcome.stuck));
-    if (shortest)
-      largest_island_ = std::numeric_limits<int>::max();
     window_ = std::max(shortest_window_, length / 8);
   }
 
   /// Makes windows shorter, if they can be, because of too many members; or more room for them.
-  void make_room(bool can_be_shorter, double length, int members)
+  void make_room(double length, int members)
   {
-    if (can_be_shorter) {
+    if (can_be_shorter(length)) {
       window_ = std::max(shortest_window_, length / 2);
       return;
     }
@@ -178,28 +182,10 @@ class EventDriven : public Engine {
 
   /// Takes all discs back to the beginning of the window.
   template <bool periodic>
-  bool give_up(Window<Space, Real, periodic> const& window)
+  void give_up(Window<Space, Real, periodic> const& window)
   {
     dissolve(window);
     search_.forget(); // who was found to meet is no candidate any more
-    return false;
-  }
-
-  /// Whether a pass can be gone on with; if not, what has to be another is.
-  bool is_acceptable(Outcome<Real> const& outcome, double length)
-  {
-    if (outcome.stuck.first != Stuck<Real>::nowhere || outcome.largest > largest_island_) {
-      shorten(length, outcome);
-      return false;
-    }
-    if (outcome.unlogged > 0) {
-      using Log = decltype(memory_.log);
-      auto const entries = memory_.log.extent(0) + 2 * static_cast<std::size_t>(outcome.unlogged);
-      memory_.log = Log(); // gives the old memory back first
-      memory_.log = Log("ricochet::past_flights", entries);
-      return false;
-    }
-    return true;
   }
 
   /// Members that there is room for at first. If they are half of all discs, windows are too long.
@@ -209,17 +195,24 @@ class EventDriven : public Engine {
 
   void choose_first_window();
 
+  /// Length of the shorter periodic axis; infinite if none is.
+  double narrowest_period() const
+  {
+    double narrowest = std::numeric_limits<double>::infinity();
+    if (model_.box.x == Boundary::periodic)
+      narrowest = std::min(narrowest, model_.box.width);
+    if (model_.box.y == Boundary::periodic)
+      narrowest = std::min(narrowest, model_.box.height);
+    return narrowest;
+  }
+
   /// In a window no disc flies farther than some diameters, or the square of a distance would leave
   /// little of that of a diameter; nor, at the speed of the fastest, through more than a sixteenth
-  /// of a periodic box, in which two are then not farther apart than one and a half; nor falls
-  /// deeper than the box is high.
+  /// of a periodic box; nor falls deeper than the box is high.
   double longest_window() const
   {
-    double path = (sizeof(Real) > sizeof(float) ? 128 : 16) * model_.radius;
-    if (model_.box.x == Boundary::periodic)
-      path = std::min(path, model_.box.width / 16);
-    if (model_.box.y == Boundary::periodic)
-      path = std::min(path, model_.box.height / 16);
+    double const diameters = (sizeof(Real) > sizeof(float) ? 64 : 8) * 2 * model_.radius;
+    double const path = std::min(diameters, narrowest_period() / 16);
     double const g = std::fabs(model_.gravity);
     double const fall = g > 0 ? std::sqrt(model_.box.height / g) : dt_;
     return speed_ > 0 ? std::min(path / speed_, fall) : fall;
@@ -234,18 +227,12 @@ class EventDriven : public Engine {
     // A window that was cut short by the step says nothing about a much longer one.
     window_ = std::clamp(length * factor, window_ / 2, window_ * 1.5);
     window_ = std::max(window_, shortest_window_);
-    largest_island_ = large_island();
     ++windows_;
   }
 
   double events_aimed_at() const { return std::max(events_per_disc * discs_.count(), 8.0); }
 
   static constexpr double events_per_disc = 0.05; ///< in a window
-  /// In a window of a periodic box the fastest disc becomes no faster than this; see
-  /// longest_window().
-  static constexpr double most_growth = 4;
-  /// With more members the windows are too long: threads would wait for the one that evolves it.
-  int large_island() const { return std::max(256, discs_.count() / 16); }
 
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
@@ -256,15 +243,14 @@ class EventDriven : public Engine {
   double mean_square_speed() const;
   template <bool periodic>
   Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
-                               UnevenRange<Space> const& members);
+                               UnevenRange<Space> const& members, int largest);
   template <bool periodic>
   void verify_islands(Window<Space, Real, periodic> const& window, int pass,
                       UnevenRange<Space> const& members);
   template <bool periodic>
-  void commit(Window<Space, Real, periodic> const& window, int members);
+  void land(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>
   void dissolve(Window<Space, Real, periodic> const& window);
-  void fly(double length);
 
  private:
   Space space_ = own_instance<Space>();
@@ -285,7 +271,6 @@ class EventDriven : public Engine {
   double window_ = 0;          ///< most that the next window should last
   double speed_ = 0;           ///< of the fastest disc in the step so far; no less than that
   double shortest_window_ = 0; ///< in which many events mean lasting contact
-  int largest_island_ = large_island();
 };
 
 template <class Space, class Real>
@@ -310,10 +295,8 @@ EventDriven<Space, Real>::EventDriven(Model const& model, Method const& method,
 }
 
 /// Sets the length of the first window of a step: what it should be in a gas of this density and
-/// temperature T = <v^2>/2, where a disc collides at Enskog's rate with the contact value of
-/// Henderson 1975 (doi 10.1080/00268977500102511),
-///   8 packing / (sqrt(pi) diameter) (1 - 7 packing/16) / (1 - packing)^2 sqrt(T).
-/// It need not be right, but the same wherever the step begins with this state.
+/// temperature T = <v^2>/2. It need not be right, but the same wherever the step begins with this
+/// state.
 template <class Space, class Real>
 void EventDriven<Space, Real>::choose_first_window()
 {
@@ -323,11 +306,7 @@ void EventDriven<Space, Real>::choose_first_window()
   double const unit_speed = std::max(speed_, std::sqrt(g * diameter));
   shortest_window_ = unit_speed > 0 ? 2e-6 * diameter / unit_speed : dt_;
 
-  constexpr double root_of_pi = 1.7724538509055160;
-  double const packing = packing_fraction(model_, static_cast<std::size_t>(n));
-  double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
-  double const rate =
-      8 * packing / (root_of_pi * diameter) * contact_value * std::sqrt(mean_square_speed() / 2);
+  double const rate = collision_rate(model_, static_cast<std::size_t>(n), mean_square_speed() / 2);
   window_ = rate > 0 ? 2 * events_aimed_at() / (rate * n) : dt_;
 }
 
@@ -349,7 +328,8 @@ double EventDriven<Space, Real>::mean_square_speed() const
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass, UnevenRange<Space> const& members)
+                                                       int pass, UnevenRange<Space> const& members,
+                                                       int largest)
 {
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
@@ -361,10 +341,10 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
   std::visit(
       [&](auto const& law) {
         using ThisLaw = std::decay_t<decltype(law)>;
-        Kokkos::parallel_reduce("ricochet::evolve_islands", members,
-                                EvolveIslands<Space, Real, periodic, ThisLaw>{
-                                    window, law, wall_rule, pass, largest_island_},
-                                Merge<Outcome<Real>, Space>(outcome_));
+        Kokkos::parallel_reduce(
+            "ricochet::evolve_islands", members,
+            EvolveIslands<Space, Real, periodic, ThisLaw>{window, law, wall_rule, pass, largest},
+            Merge<Outcome<Real>, Space>(outcome_));
       },
       law_);
   return value_after(space_, outcome_);
@@ -379,26 +359,20 @@ void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> cons
                        VerifyIslands<Space, Real, periodic>{window, pass});
 }
 
+/// Ends a window: makes the members' last flights those of their discs, and takes all discs to its
+/// end.
 template <class Space, class Real>
 template <bool periodic>
-void EventDriven<Space, Real>::commit(Window<Space, Real, periodic> const& window, int members)
+void EventDriven<Space, Real>::land(Window<Space, Real, periodic> const& window, int members)
 {
   with_landing(discs_, model_, static_cast<double>(window.arena.end), [&](auto const& land) {
     using Commit = CommitIslands<Space, Real, periodic, std::decay_t<decltype(land)>>;
     Kokkos::parallel_reduce("ricochet::commit_islands", Range<Space>(space_, 0, members),
                             Commit{window, land, Outside(model_), model_.gravity, books_.scales()},
                             Merge<Happened, Space>(search_.happened()));
-  });
-  enter_happened(space_, search_.memory(), search_.happened(), books_.view());
-}
-
-template <class Space, class Real>
-void EventDriven<Space, Real>::fly(double length)
-{
-  with_landing(discs_, model_, length, [&](auto const& land) {
     Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
   });
-  search_.end(length, false);
+  search_.enter_happened(space_, books_.view());
 }
 
 template <class Space, class Real>

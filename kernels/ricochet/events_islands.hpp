@@ -480,7 +480,7 @@ struct EvolveIslands {
   KOKKOS_INLINE_FUNCTION void choose_next(Members const& members, int i) const
   {
     auto& own = w.member(i);
-    auto next = w.arena.next_wall(own.flight.place, own.flight.velocity, own.flight.since);
+    auto next = w.arena.next_wall({own.flight.place, own.flight.velocity}, own.flight.since);
     members.for_each_near(i, [&](int j) {
       if (j == i)
         return;
@@ -507,8 +507,8 @@ struct EvolveIslands {
   /// Place and velocity of a member in the lab.
   KOKKOS_INLINE_FUNCTION Motion<Real> motion(int i, Real time) const
   {
-    auto const& f = w.member(i).flight;
-    return {w.arena.lab_position(f.at(time), time), w.arena.lab_velocity(f.velocity, time)};
+    auto const& flight = w.member(i).flight;
+    return w.arena.in_lab({flight.at(time), flight.velocity}, time);
   }
 
   KOKKOS_INLINE_FUNCTION void collide(int i, int j, IslandEvents& tally,
@@ -521,8 +521,7 @@ struct EvolveIslands {
     PairVelocity<Real> const before{a.velocity, b.velocity};
     auto const after = law(contact_normal(d, static_cast<Real>(sqrt(dot(d, d)))), before);
     ++tally.collisions;
-    tally.lost_pairs += (kinetic_energy(before.first) + kinetic_energy(before.second)) -
-                        (kinetic_energy(after.first) + kinetic_energy(after.second));
+    tally.lost_pairs += energy_lost(before, after);
     tally.virial += virial_of(before, after, d);
     begin_flight(first, {a.place, after.first}, time, second, outcome);
     begin_flight(second, {b.place, after.second}, time, first, outcome);
@@ -531,19 +530,15 @@ struct EvolveIslands {
   KOKKOS_INLINE_FUNCTION void hit_wall(int i, IslandEvents& tally, Outcome<Real>& outcome) const
   {
     Real const time = w.member(i).due;
-    auto now = motion(i, time);
-    auto const v = now.velocity;
-    if (w.member(i).with == partner::wall_x) {
-      now.place.x = v.x < 0 ? -w.arena.wall_x : w.arena.wall_x;
-      now.velocity = {wall_rule.normal(v.x), wall_rule.tangential(v.y)};
-    } else {
-      bool const floor = is_floor(now.place.y, v.y, w.arena.gravity);
-      now.place.y = floor ? -w.arena.wall_y : w.arena.wall_y;
-      now.velocity = {wall_rule.tangential(v.x), wall_rule.normal(v.y)};
-    }
+    auto const before = motion(i, time);
+    auto const after =
+        w.member(i).with == partner::wall_x
+            ? wall_rule.off_side(before, w.arena.wall_x)
+            : wall_rule.off_level(before, w.arena.wall_y,
+                                  is_floor(before.place.y, before.velocity.y, w.arena.gravity));
     ++tally.wall_hits;
-    tally.lost_walls += kinetic_energy(v) - kinetic_energy(now.velocity);
-    begin_flight(i, now, time, partner::none, outcome);
+    tally.lost_walls += kinetic_energy(before.velocity) - kinetic_energy(after.velocity);
+    begin_flight(i, after, time, partner::none, outcome);
   }
 
   /// A member flies on from where it is `now`, in the lab. The first of its flights is kept in
@@ -561,10 +556,8 @@ struct EvolveIslands {
         ++outcome.unlogged;
       }
     }
-    Real const g = w.arena.gravity;
-    own.flight = {{now.place.x, now.place.y + g * time * time / 2},
-                  {now.velocity.x, now.velocity.y + g * time},
-                  time};
+    auto const [place, velocity] = w.arena.falling(now, time);
+    own.flight = {place, velocity, time};
     own.met = met;
     own.pass = pass;
     auto const v = as<double>(own.flight.velocity);

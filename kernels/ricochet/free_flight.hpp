@@ -69,9 +69,7 @@ struct Bounces {
   KOKKOS_INLINE_FUNCTION void bounce_in_x(Motion<Real>& disc, Books& books) const
   {
     auto const before = disc;
-    auto const v = before.velocity;
-    disc.place.x = v.x > 0 ? high.x : -high.x;
-    disc.velocity = {wall.normal(v.x), wall.tangential(v.y)};
+    disc = wall.off_side(before, high.x);
     enter(1, before, disc, books);
   }
 
@@ -87,8 +85,7 @@ struct Bounces {
     auto const before = disc;
     auto const v = before.velocity;
     bool const below = is_floor(disc.place.y, v.y, g);
-    disc.place.y = below ? -high.y : high.y;
-    disc.velocity = {wall.tangential(v.x), wall.normal(v.y)};
+    disc = wall.off_level(before, high.y, below);
     Real const pull = below ? g : -g; // towards the wall
     Real const flight = pull > 0 ? 2 * fabs(v.y) / pull : never;
     bool const rests =

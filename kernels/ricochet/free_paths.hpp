@@ -152,28 +152,30 @@ struct Arena {
   Real inner_x, inner_y; ///< see is_inner()
   Real end;              ///< of the stretch of time
 
-  /// Position and velocity in the lab of a flight at `time`.
-  KOKKOS_INLINE_FUNCTION Vec2<Real> lab_position(Vec2<Real> p, Real time) const
+  /// Where a disc in the falling frame is in the lab at `time`, and how fast; and back.
+  KOKKOS_INLINE_FUNCTION Motion<Real> in_lab(Motion<Real> const& disc, Real time) const
   {
-    return {p.x, p.y - gravity * time * time / 2};
+    auto const& [q, w] = disc;
+    return {{q.x, q.y - gravity * time * time / 2}, {w.x, w.y - gravity * time}};
   }
-  KOKKOS_INLINE_FUNCTION Vec2<Real> lab_velocity(Vec2<Real> w, Real time) const
+  KOKKOS_INLINE_FUNCTION Motion<Real> falling(Motion<Real> const& disc, Real time) const
   {
-    return {w.x, w.y - gravity * time};
+    auto const& [x, v] = disc;
+    return {{x.x, x.y + gravity * time * time / 2}, {v.x, v.y + gravity * time}};
   }
 
-  /// When and at which wall a flight ends, if in this stretch, that is at `position` with
-  /// `velocity` at the time `since`, in the falling frame.
-  KOKKOS_INLINE_FUNCTION WallHit<Real> next_wall(Vec2<Real> position, Vec2<Real> velocity,
-                                                 Real since) const
+  /// When and at which wall the flight of a disc ends, if in this stretch, of which this is the
+  /// motion at the time `since`, in the falling frame.
+  KOKKOS_INLINE_FUNCTION WallHit<Real> next_wall(Motion<Real> const& disc, Real since) const
   {
     WallHit<Real> const nothing{end, partner::none};
     constexpr Real nowhere = std::numeric_limits<Real>::infinity();
     if (wall_x == nowhere && wall_y == nowhere)
       return nothing;
-    auto const p = lab_position(position, since), v = lab_velocity(velocity, since);
-    if (misses_walls(p, v, end - since))
+    auto const now = in_lab(disc, since);
+    if (misses_walls(now, end - since))
       return nothing;
+    auto const& [p, v] = now;
     Real const x = v.x > 0 ? time_to_cover(ahead(wall_x - p.x), v.x, Real(0))
                            : time_to_cover(ahead(wall_x + p.x), -v.x, Real(0));
     Real const floor = time_to_cover(ahead(wall_y + p.y), -v.y, gravity);
@@ -184,10 +186,10 @@ struct Arena {
     return hit.due < end ? hit : nothing;
   }
 
-  /// Whether a flight from `p` with velocity `v` surely stays between the walls for a time. All are
-  /// in the lab.
-  KOKKOS_INLINE_FUNCTION bool misses_walls(Vec2<Real> p, Vec2<Real> v, Real time) const
+  /// Whether a disc, in the lab, surely stays between the walls for a time.
+  KOKKOS_INLINE_FUNCTION bool misses_walls(Motion<Real> const& disc, Real time) const
   {
+    auto const& [p, v] = disc;
     Real const fall = gravity * time * time / 2;
     Real const x = p.x + v.x * time, straight = p.y + v.y * time, y = straight - fall;
     // Neither end of an arc is its highest point when it first rises, against the fall; the end

@@ -151,19 +151,6 @@ KOKKOS_INLINE_FUNCTION int fetch_add(int& counter, int increment)
   }
 }
 
-/// Sets bits of a number that the work items of a kernel on `Space` share; returns it as before.
-template <class Space>
-KOKKOS_INLINE_FUNCTION int fetch_or(int& number, int bits)
-{
-  if constexpr (one_at_a_time<Space>) {
-    int const before = number;
-    number = before | bits;
-    return before;
-  } else {
-    return Kokkos::atomic_fetch_or(&number, bits);
-  }
-}
-
 /// Replaces a number that the work items of a kernel on `Space` share; returns the one before.
 template <class Space>
 KOKKOS_INLINE_FUNCTION int exchange(int& number, int replacement)

@@ -31,7 +31,6 @@ class LineSearch {
   LineMemory<Space> const& memory() const { return memory_; }
   Kokkos::View<Happened, Space> const& happened() const { return happened_; }
   CellGrid<Space, Real>& grid() { return grid_; }
-  Counts const& counts() const { return counts_; }
 
   /// Makes room for as many in the list of those called up.
   void keep_listed(int listed) { memory_.keep_listed(listed); }
@@ -56,7 +55,6 @@ class LineSearch {
 
   /// Upper bounds of the speeds until the next sort, and of paths in the lab.
   void note_speed(double speed) { speed_ = std::max(speed_, speed); }
-  double speed() const { return speed_; }
 
   /// Reads what the kernels so far have counted, and notes the speeds.
   Counts const& read_counts(Space const& space)
@@ -101,6 +99,8 @@ class LineSearch {
   }
 
  public: // nvcc takes device lambdas and launches only from public functions
+  /// Enters what one kernel reported in the books of the run.
+  void enter_happened(Space const& space, BooksView<Space> const& books) const;
   template <bool periodic>
   void sort(Space const& space, Discs<Space, Real>& discs,
             Inspection<Space, Real> const& inspection, double length);
@@ -296,7 +296,7 @@ void LineSearch<Space, Real>::find(Space const& space, Discs<Space, Real> const&
                             uneven(space, 0, blocks_of(Find::block, counts.candidates)),
                             Find{here, meetings, counts.candidates, end},
                             Merge<Happened, Space>(happened_));
-    enter_happened(space, memory_, happened_, books);
+    enter_happened(space, books);
     return;
   }
   auto const find = [&](auto walls, auto near) {
@@ -311,7 +311,20 @@ void LineSearch<Space, Real>::find(Space const& space, Discs<Space, Real> const&
     near ? find(std::true_type{}, std::true_type{}) : find(std::true_type{}, std::false_type{});
   else if constexpr (periodic)
     near ? find(std::false_type{}, std::true_type{}) : find(std::false_type{}, std::false_type{});
-  enter_happened(space, memory_, happened_, books);
+  enter_happened(space, books);
+}
+
+template <class Space, class Real>
+void LineSearch<Space, Real>::enter_happened(Space const& space,
+                                             BooksView<Space> const& books) const
+{
+  auto const counts = memory_.counts;
+  auto const happened = happened_;
+  Kokkos::parallel_for(
+      "ricochet::enter_in_books", Range<Space>(space, 0, 1), KOKKOS_LAMBDA(int) {
+        books().merge(happened().books);
+        counts().speed2 = happened().speed2;
+      });
 }
 
 /// Distance of the closest candidates.

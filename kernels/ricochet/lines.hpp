@@ -29,6 +29,7 @@ struct Line {
   Vec2<Real> velocity;
 
   KOKKOS_INLINE_FUNCTION Vec2<Real> at(Real time) const { return position + time * velocity; }
+  KOKKOS_INLINE_FUNCTION Motion<Real> motion(Real time) const { return {at(time), velocity}; }
 };
 
 /// What contacts leave to be entered in the books of the run.
@@ -116,11 +117,7 @@ struct LineMemory {
     poke(called_in_block(slot / block), 0); // others of the block do so, too
   }
 
-  void keep_listed(int listed)
-  {
-    list = Ints(); // gives the old memory back first
-    list = uninitialised<Ints>("ricochet::called_up", listed);
-  }
+  void keep_listed(int listed) { list = uninitialised<Ints>("ricochet::called_up", listed); }
 
   bool has_room(int candidates) const
   {
@@ -233,8 +230,7 @@ struct Lines {
   /// Whether a disc on a line surely meets no wall between two times.
   KOKKOS_INLINE_FUNCTION bool misses_walls(Line<Real> const& line, Real from, Real to) const
   {
-    return with_closer_walls().misses_walls(arena.lab_position(line.at(from), from),
-                                            arena.lab_velocity(line.velocity, from), to - from);
+    return with_closer_walls().misses_walls(arena.in_lab(line.motion(from), from), to - from);
   }
 
   /// The arena with walls that are closer by what rounding may add to a distance.
@@ -269,7 +265,7 @@ struct Lines {
       return std::numeric_limits<Real>::infinity();
     auto closer = with_closer_walls();
     closer.end = until;
-    return closer.next_wall(line.at(since), line.velocity, since).due;
+    return closer.next_wall(line.motion(since), since).due;
   }
 
   /// Lists discs i and k, now on lines `a` and `b`, as a candidate if they come together in the
@@ -422,18 +418,5 @@ struct FindAmongAll {
         meetings.wall(i);
   }
 };
-
-/// Enters what one kernel reported in the books of the run.
-template <class Space>
-void enter_happened(Space const& space, LineMemory<Space> const& m,
-                    Kokkos::View<Happened, Space> const& happened, BooksView<Space> const& books)
-{
-  auto const counts = m.counts;
-  Kokkos::parallel_for(
-      "ricochet::enter_in_books", Range<Space>(space, 0, 1), KOKKOS_LAMBDA(int) {
-        books().merge(happened().books);
-        counts().speed2 = happened().speed2;
-      });
-}
 
 } // namespace ricochet

@@ -76,4 +76,12 @@ constexpr double densest_packing = 0.9069;
 /// Share of the box covered by `count` discs: count pi radius^2 / (width height).
 double packing_fraction(Model const& model, std::size_t count);
 
+/// Collisions of a disc per time, where `count` discs are spread evenly: Enskog's rate with the
+/// contact value of Henderson 1975 (doi 10.1080/00268977500102511), good to some percent below
+/// packing 0.7,
+///   8 packing / (sqrt(pi) diameter) (1 - 7 packing/16) / (1 - packing)^2 sqrt(T),
+/// at the temperature T, the variance of a component of velocity. Arithmetic and roots only: the
+/// same on every machine.
+double collision_rate(Model const& model, std::size_t count, double temperature);
+
 } // namespace ricochet

@@ -78,14 +78,12 @@ class Neighbours {
   }
 
   /// Calls visit(slot, separation) for every disc whose centre is closer to `p` than `reach`, which
-  /// may be any distance, among the slots from `from` on. The discs must be where they were when
-  /// they were sorted.
+  /// may be any distance. The discs must be where they were when they were sorted.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_within(Vec2<Real> p, Real reach, Visit const& visit,
-                                              int from = 0) const
+  KOKKOS_INLINE_FUNCTION void for_each_within(Vec2<Real> p, Real reach, Visit const& visit) const
   {
     Real const reach2 = reach * reach;
-    for_runs_near<periodic>(p, static_cast<double>(reach), from, [&](Runs const& runs) {
+    for_runs_near<periodic>(p, static_cast<double>(reach), 0, [&](Runs const& runs) {
       for_each_in<3, false>(domain_, runs, p, reach2, 0, visit);
     });
   }

@@ -61,8 +61,7 @@ struct LastPartnerWins {
 
     // This disc's half of the pair's loss is the law's; what the disc gains beyond that is the
     // method's doing, and nothing where the partner's last partner is this disc.
-    double const half_loss = 0.5 * ((kinetic_energy(before.first) + kinetic_energy(before.second)) -
-                                    (kinetic_energy(after.first) + kinetic_energy(after.second)));
+    double const half_loss = 0.5 * energy_lost(before, after);
     double const gain = kinetic_energy(after.first) - kinetic_energy(before.first);
     books.lost_pairs.add(half_loss, state.scales.energy);
     books.numerical.add(gain + half_loss, state.scales.energy);

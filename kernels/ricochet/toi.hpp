@@ -92,11 +92,6 @@ class TimeOfImpact : public Engine {
     has_left_contacts_ = true;   // discs that must be kept inside the box now leave their lines
   }
 
-  void enter_happened()
-  {
-    ricochet::enter_happened(space_, search_.memory(), search_.happened(), books_.view());
-  }
-
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
   void execute_round(int round, int called);
@@ -153,7 +148,7 @@ void TimeOfImpact<Space, Real>::execute_round(int round, int called)
                                 Merge<Happened, Space>(search_.happened()));
       },
       law_);
-  enter_happened();
+  search_.enter_happened(space_, books_.view());
   Kokkos::parallel_for("ricochet::find_new_contacts", Range<Space>(space_, 0, called),
                        FindNewContacts<Space, Real, periodic>{step, round});
 }
@@ -170,7 +165,7 @@ void TimeOfImpact<Space, Real>::fly()
                             Merge<Happened, Space>(search_.happened()));
     Kokkos::parallel_for("ricochet::fly", Range<Space>(space_, 0, discs_.count()), land);
   });
-  enter_happened();
+  search_.enter_happened(space_, books_.view());
 }
 
 template <class Space, class Real>

@@ -129,7 +129,7 @@ struct ChooseNext {
     auto const& arena = step.arena;
     int const i = step.m.list(place);
     Real const since = step.contacts.last(i).since;
-    auto const wall = arena.next_wall(step.at(i, since), step.discs.velocity(i), since);
+    auto const wall = arena.next_wall(step.line(i).motion(since), since);
     NextEvent<Real> next{arena.end, partner::none, round};
     if (wall.due < arena.end)
       next = {wall.due, wall.with, round};
@@ -198,8 +198,7 @@ struct ResolveContacts {
   KOKKOS_INLINE_FUNCTION Motion<Real> motion(int i, Real t) const
   {
     auto const& arena = step.arena;
-    Motion<Real> now{arena.lab_position(step.at(i, t), t),
-                     arena.lab_velocity(step.discs.velocity(i), t)};
+    auto now = arena.in_lab(step.line(i).motion(t), t);
     // The line of a disc at rest on a wall is made for the end of the step.
     int const rests = step.contacts.last(i).rests;
     if (rests != 0) {
@@ -212,9 +211,7 @@ struct ResolveContacts {
   /// Gives disc i the line that is at `now` at time t.
   KOKKOS_INLINE_FUNCTION void set_line(int i, Motion<Real> const& now, Real t, int met) const
   {
-    Real const g = step.arena.gravity;
-    Vec2<Real> const w{now.velocity.x, now.velocity.y + g * t};
-    Vec2<Real> const q{now.place.x, now.place.y + g * t * t / 2};
+    auto const [q, w] = step.arena.falling(now, t);
     step.discs.set_velocity(i, w);
     step.discs.set_position(i, q - t * w);
     step.contacts.last(i) = {t, met, 0};
@@ -236,9 +233,7 @@ struct ResolveContacts {
     double const depth = overlap(distance, step.diameter);
     books.max_overlap = depth > books.max_overlap ? depth : books.max_overlap;
     books.virial.add(virial_of(before, after, separation), scales.virial);
-    books.lost_pairs.add((kinetic_energy(before.first) + kinetic_energy(before.second)) -
-                             (kinetic_energy(after.first) + kinetic_energy(after.second)),
-                         scales.energy);
+    books.lost_pairs.add(energy_lost(before, after), scales.energy);
   }
 
   /// A disc that returns to the wall n times in the remaining time of the step does so with alpha^n
@@ -254,12 +249,10 @@ struct ResolveContacts {
     auto now = before;
     int rests = 0;
     if (next.with == partner::wall_x) {
-      now.place.x = v.x < 0 ? -arena.wall_x : arena.wall_x;
-      now.velocity = {wall.normal(v.x), wall.tangential(v.y)};
+      now = wall.off_side(before, arena.wall_x);
     } else {
       bool const below = is_floor(before.place.y, v.y, arena.gravity);
-      now.place.y = below ? -arena.wall_y : arena.wall_y;
-      now.velocity = {wall.tangential(v.x), wall.normal(v.y)};
+      now = wall.off_level(before, arena.wall_y, below);
       Real const pull = below ? arena.gravity : -arena.gravity;
       Real const u = below ? -v.y : v.y;
       if (pull > 0 && 2 * wall.alpha * u <= pull * (1 - wall.alpha) * (arena.end - t)) {

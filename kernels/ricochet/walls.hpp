@@ -99,6 +99,23 @@ struct WallRule {
     else
       return v;
   }
+
+  /// A disc after the left or the right wall, or the floor or the ceiling, where it is now; its
+  /// centre is `high` from the middle there.
+  KOKKOS_INLINE_FUNCTION Motion<Real> off_side(Motion<Real> disc, Real high) const
+  {
+    auto const v = disc.velocity;
+    disc.place.x = v.x < 0 ? -high : high;
+    disc.velocity = {normal(v.x), tangential(v.y)};
+    return disc;
+  }
+  KOKKOS_INLINE_FUNCTION Motion<Real> off_level(Motion<Real> disc, Real high, bool is_floor) const
+  {
+    auto const v = disc.velocity;
+    disc.place.y = is_floor ? -high : high;
+    disc.velocity = {tangential(v.x), normal(v.y)};
+    return disc;
+  }
 };
 
 /// The original's walls: at most one wall a step, in the order left, right, top, bottom. A disc in

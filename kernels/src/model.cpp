@@ -78,4 +78,12 @@ double packing_fraction(Model const& model, std::size_t count)
          model.box.height;
 }
 
+double collision_rate(Model const& model, std::size_t count, double temperature)
+{
+  constexpr double root_of_pi = 1.7724538509055160;
+  double const packing = packing_fraction(model, count), diameter = 2 * model.radius;
+  double const contact_value = (1 - 7 * packing / 16) / ((1 - packing) * (1 - packing));
+  return 8 * packing / (root_of_pi * diameter) * contact_value * std::sqrt(temperature);
+}
+
 } // namespace ricochet

@@ -208,6 +208,21 @@ TEST_P(EventExtremes, ADiscThatJustReachesTheCeilingStaysThere)
   EXPECT_TRUE(close(states(run), {{0, 19 - 10 * 0.25 / 2, 0, -5}}, 100 * unit()));
 }
 
+/// Discs at rest just above the floor, in a box that is periodic in the other direction: their
+/// speed says nothing of that of their first bounces, some tens of them in this time.
+TEST_P(EventExtremes, DiscsThatBeginAtRestFall)
+{
+  double const g = 10, gap = 500 * unit();
+  Scene scene;
+  scene.model = make_model(40, 40, g, elastic, periodic, Boundary::walls);
+  scene.discs = {{-3, -19 + gap, 0, 0}, {3, 5, 0, 0}};
+  scene.dt = 40 * std::sqrt(2 * gap / g);
+  auto const report = run_of(scene, 2)->report();
+  EXPECT_GT(report.wall_hits, 10);
+  EXPECT_NEAR(report.energy.kinetic + report.energy.potential, report.energy.initial(),
+              1e3 * unit() * report.energy.initial());
+}
+
 /// 20,000 bounces of an elastic ball, or 1,000: each adds a few roundings to the energy, at random.
 TEST_P(EventExtremes, AnElasticBallBouncesForEver)
 {
