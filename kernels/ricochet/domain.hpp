@@ -72,11 +72,11 @@ class Domain {
 
     KOKKOS_INLINE_FUNCTION Real wrapped(Real p) const
     {
-      if (!(p < -half || p >= half))
-        return p;
+      // Without a branch, so that compilers find the vectors in a loop over discs.
       Real const image = p - length * floor((p + half) / length);
       // Rounding may end on, or just past, the far side, which is the near side of the next image.
-      return image >= -half && image < half ? image : -half;
+      Real const inside = (image >= -half) & (image < half) ? image : -half;
+      return (p < -half) | (p >= half) ? inside : p;
     }
   };
 
