@@ -114,8 +114,7 @@ class EventDriven : public Engine {
         make_room(length, end);
         return false;
       }
-      auto const members = uneven(space_, begin, end);
-      auto const outcome = evolve_islands(before, pass, members, largest_island(length));
+      auto const outcome = evolve_islands(before, pass, begin, end, largest_island(length));
       speed = std::max(speed, std::sqrt(outcome.speed2));
       search_.note_speed(speed);
       if (speed > before.speed) { // islands of many, and images, were looked for too near
@@ -135,7 +134,7 @@ class EventDriven : public Engine {
         return false;
       }
       verify_islands(Window<Space, Real, periodic>(lines<periodic>(length, 1), memory_), pass,
-                     members);
+                     begin, end);
       begin = end;
     }
   }
@@ -243,10 +242,10 @@ class EventDriven : public Engine {
   double mean_square_speed() const;
   template <bool periodic>
   Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
-                               UnevenRange<Space> const& members, int largest);
+                               int begin, int end, int largest);
   template <bool periodic>
   void verify_islands(Window<Space, Real, periodic> const& window, int pass,
-                      UnevenRange<Space> const& members);
+                      int begin, int end);
   template <bool periodic>
   void land(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>
@@ -328,9 +327,9 @@ double EventDriven<Space, Real>::mean_square_speed() const
 template <class Space, class Real>
 template <bool periodic>
 Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, periodic> const& window,
-                                                       int pass, UnevenRange<Space> const& members,
-                                                       int largest)
+                                                       int pass, int begin, int end, int largest)
 {
+  auto const members = uneven(space_, begin, end);
   WallRule<Real, true> const wall_rule{static_cast<Real>(model_.contact.restitution),
                                        static_cast<Real>(model_.contact.friction)};
   Kokkos::deep_copy(space_, memory_.heaped, 0);
@@ -353,10 +352,12 @@ Outcome<Real> EventDriven<Space, Real>::evolve_islands(Window<Space, Real, perio
 template <class Space, class Real>
 template <bool periodic>
 void EventDriven<Space, Real>::verify_islands(Window<Space, Real, periodic> const& window, int pass,
-                                              UnevenRange<Space> const& members)
+                                              int begin, int end)
 {
-  Kokkos::parallel_for("ricochet::verify_islands", members,
-                       VerifyIslands<Space, Real, periodic>{window, pass});
+  using Verify = VerifyIslands<Space, Real, periodic>;
+  int const blocks = blocks_of(Verify::block, end - begin);
+  Kokkos::parallel_for("ricochet::verify_islands", uneven(space_, 0, blocks, 8),
+                       Verify{window, pass, begin, end});
 }
 
 /// Ends a window: makes the members' last flights those of their discs, and takes all discs to its

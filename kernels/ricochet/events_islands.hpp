@@ -587,21 +587,31 @@ struct EvolveIslands {
 /// deflected one, or the one in the lower slot.
 template <class Space, class Real, bool periodic>
 struct VerifyIslands {
+  static constexpr int block = block_on_host<Space, 8>;
+
   Window<Space, Real, periodic> w;
   int pass;
+  int begin, end; ///< numbers of the members, a block of which is a work item
 
-  KOKKOS_INLINE_FUNCTION void operator()(int number) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
+  {
+    CandidateBatch<Space, Real> batch(w.m);
+    for_each_in_block(b, block, end - begin, [&](int k) { verify(begin + k, batch); });
+    batch.flush();
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void verify(int number, CandidateBatch<Space, Real>& batch) const
   {
     auto const& own = w.member(number);
     int const i = w.slot(number), island = w.islands.island(number);
     if (own.pass == 0) {
       if (pass > 1 && w.lists_candidates())
-        list_those_deflected_before(i, own.flight);
+        list_those_deflected_before(i, own.flight, batch);
       return;
     }
     auto const& flight = own.flight;
     auto const line = flight.line();
-    CandidateBatch<Space, Real> batch(w.m);
     w.for_each_near(i, flight, w.until, [&](int k) {
       if (k == i)
         return;
@@ -612,12 +622,10 @@ struct VerifyIslands {
     });
     if (w.lists_candidates())
       w.list_wall(i, line, flight.since, batch);
-    batch.flush();
     if (own.past >= 0)
       verify_past(i, own, island);
   }
 
- private:
   KOKKOS_INLINE_FUNCTION void verify_past(int i, Member<Real> const& own, int island) const
   {
     w.for_each_new_flight(i, [&](Flight<Real> const& flight, Real to) {
@@ -656,14 +664,13 @@ struct VerifyIslands {
 
   /// Lists the candidates of a disc that is, after all, on the line that it began the window with:
   /// those evolved in earlier passes know it on another.
-  KOKKOS_FUNCTION void list_those_deflected_before(int i, Flight<Real> const& flight) const
+  KOKKOS_FUNCTION void list_those_deflected_before(int i, Flight<Real> const& flight,
+                                                   CandidateBatch<Space, Real>& batch) const
   {
-    CandidateBatch<Space, Real> batch(w.m);
     w.for_each_near(i, flight, w.until, [&](int k) {
       if (k != i && w.is_deflected(k) && w.member(w.number(k)).pass < pass)
         list_candidate(i, flight.line(), Real(0), k, batch);
     });
-    batch.flush();
   }
 
   /// Notes that discs i and k, of different islands or one of none, meet.

@@ -38,9 +38,9 @@ using UnevenRange =
     Kokkos::RangePolicy<Space, Kokkos::IndexType<int>, Kokkos::Schedule<Kokkos::Dynamic>>;
 
 template <class Space>
-UnevenRange<Space> uneven(Space const& space, int begin, int end)
+UnevenRange<Space> uneven(Space const& space, int begin, int end, int chunk = 64)
 {
-  return UnevenRange<Space>(space, begin, end, Kokkos::ChunkSize(64));
+  return UnevenRange<Space>(space, begin, end, Kokkos::ChunkSize(chunk));
 }
 
 /// Whether kernels on `Space` run on the host, in its memory.

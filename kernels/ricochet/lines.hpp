@@ -54,7 +54,7 @@ struct LineMemory {
   using Ints = Kokkos::View<int*, Space>;
   static constexpr int block = 16; ///< slots; a gas has fewer contacts at a time than blocks
 
-  Ints called;          ///< latest round it was called up for, or 0
+  Ints called;          ///< latest round it was called up for, or 0; for whole blocks
   Ints called_in_block; ///< latest round that any of a block was called up for
   Ints list; ///< those called up for a round, in order, and after them those of others if asked for
   /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
@@ -73,7 +73,7 @@ struct LineMemory {
 
   /// For n discs, of whose lists as many as `listed` are kept at a time.
   LineMemory(int n, int listed)
-    : called("ricochet::called_for_round", n),
+    : called("ricochet::called_for_round", blocks_of(block, n) * block),
       called_in_block("ricochet::called_in_block", blocks_of(block, n)),
       list(uninitialised<Ints>("ricochet::called_up", listed)),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", 3 * n)),
@@ -134,18 +134,15 @@ struct ListCalled {
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
   {
-    int const n = static_cast<int>(m.called.extent(0));
     if (m.called_in_block(b) == round) {
-      if (final) {
-        int at = place + before;
-        for_each_in_block(b, m.block, n, [&](int slot) {
-          if (m.called(slot) == round && at < static_cast<int>(m.list.extent(0)))
-            m.list(at++) = slot;
-        });
-      }
-      int count = 0; // without a branch
-      for_each_in_block(b, m.block, n, [&](int slot) { count += m.called(slot) == round ? 1 : 0; });
-      before += count;
+      int const* const called = &m.called(b * m.block);
+      unsigned marks = 0; // without a branch
+#pragma omp simd reduction(| : marks)
+      for (int k = 0; k < m.block; ++k)
+        marks |= called[k] == round ? 1u << k : 0u;
+      for (; marks != 0; marks &= marks - 1, ++before)
+        if (final && place + before < static_cast<int>(m.list.extent(0)))
+          m.list(place + before) = b * m.block + lowest_bit(marks);
     }
     if (final && b + 1 == m.blocks())
       m.counts().called = before;
