@@ -241,11 +241,10 @@ class EventDriven : public Engine {
   }
   double mean_square_speed() const;
   template <bool periodic>
-  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass,
-                               int begin, int end, int largest);
+  Outcome<Real> evolve_islands(Window<Space, Real, periodic> const& window, int pass, int begin,
+                               int end, int largest);
   template <bool periodic>
-  void verify_islands(Window<Space, Real, periodic> const& window, int pass,
-                      int begin, int end);
+  void verify_islands(Window<Space, Real, periodic> const& window, int pass, int begin, int end);
   template <bool periodic>
   void land(Window<Space, Real, periodic> const& window, int members);
   template <bool periodic>

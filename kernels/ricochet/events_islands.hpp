@@ -190,8 +190,8 @@ struct Window : Lines<Space, Real, periodic> {
     return this->meeting(b.at(from) - a.at(from), b.velocity - a.velocity, from, met);
   }
 
-  /// Calls visit(k) for all discs that disc i may meet on a flight up to a time, if they are on the
-  /// lines that they began the window with, and for all in islands around it.
+  /// Calls visit(k) for all other discs that disc i may meet on a flight up to a time, if they are
+  /// on the lines that they began the window with, and for all in islands around it.
   template <class Visit>
   KOKKOS_INLINE_FUNCTION void for_each_near(int i, Flight<Real> const& flight, Real to,
                                             Visit const& visit) const
@@ -201,7 +201,7 @@ struct Window : Lines<Space, Real, periodic> {
     w.arena.with_ends(flight.place, [&](auto const& ends) {
       constexpr bool across_ends = std::decay_t<decltype(ends)>::wraps;
       auto const may_meet = w.template may_meet<false>(ends, flight.line(), flight.since, to);
-      auto const test = [=](int k) { return may_meet(k) | (number[k] >= 0); };
+      auto const test = [=](int k) { return (may_meet(k) | (number[k] >= 0)) & (k != i); };
       if (w.is_near)
         w.neighbours.template for_each_around_that<across_ends>(w.cell(i), test, visit);
       else
@@ -613,9 +613,7 @@ struct VerifyIslands {
     auto const& flight = own.flight;
     auto const line = flight.line();
     w.for_each_near(i, flight, w.until, [&](int k) {
-      if (k == i)
-        return;
-      if (w.island_of(k) != island && touches(flight, w.arena.end, k))
+      if (w.island_of(k) != island && touches(i, flight, w.arena.end, k))
         join(i, k);
       else if (w.lists_candidates())
         list_candidate(i, line, flight.since, k, batch);
@@ -631,16 +629,18 @@ struct VerifyIslands {
     w.for_each_new_flight(i, [&](Flight<Real> const& flight, Real to) {
       if (flight.since < own.flight.since)
         w.for_each_near(i, flight, to, [&](int k) {
-          if (k != i && w.island_of(k) != island && touches(flight, to, k))
+          if (w.island_of(k) != island && touches(i, flight, to, k))
             join(i, k);
         });
       return true;
     });
   }
 
-  /// Whether a disc that is on a flight up to a time touches disc k of another island.
-  KOKKOS_INLINE_FUNCTION bool touches(Flight<Real> const& flight, Real to, int k) const
+  /// Whether disc i, on a flight up to a time, touches disc k of another island.
+  KOKKOS_INLINE_FUNCTION bool touches(int i, Flight<Real> const& flight, Real to, int k) const
   {
+    if (w.is_out_of_reach(i, k))
+      return false;
     return w.meeting_of(flight, w.first_flight(k), false) < to ||
            !w.for_each_new_flight(k, [&](Flight<Real> const& other, Real other_to) {
              Real const until = other_to < to ? other_to : to;
@@ -668,7 +668,7 @@ struct VerifyIslands {
                                                    CandidateBatch<Space, Real>& batch) const
   {
     w.for_each_near(i, flight, w.until, [&](int k) {
-      if (k != i && w.is_deflected(k) && w.member(w.number(k)).pass < pass)
+      if (w.is_deflected(k) && w.member(w.number(k)).pass < pass)
         list_candidate(i, flight.line(), Real(0), k, batch);
     });
   }

@@ -169,8 +169,7 @@ struct Arena {
   KOKKOS_INLINE_FUNCTION WallHit<Real> next_wall(Motion<Real> const& disc, Real since) const
   {
     WallHit<Real> const nothing{end, partner::none};
-    constexpr Real nowhere = std::numeric_limits<Real>::infinity();
-    if (wall_x == nowhere && wall_y == nowhere)
+    if (!has_walls())
       return nothing;
     auto const now = in_lab(disc, since);
     if (misses_walls(now, end - since))
@@ -184,6 +183,12 @@ struct Arena {
     WallHit<Real> const hit = x <= y ? WallHit<Real>{since + x, partner::wall_x}
                                      : WallHit<Real>{since + y, partner::wall_y};
     return hit.due < end ? hit : nothing;
+  }
+
+  KOKKOS_INLINE_FUNCTION bool has_walls() const
+  {
+    constexpr Real nowhere = std::numeric_limits<Real>::infinity();
+    return wall_x < nowhere || wall_y < nowhere;
   }
 
   /// Whether a disc, in the lab, surely stays between the walls for a time.

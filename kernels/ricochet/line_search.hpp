@@ -267,6 +267,7 @@ Lines<Space, Real, periodic> LineSearch<Space, Real>::lines(Discs<Space, Real> c
           size,
           safe * safe + uncertainty2,
           static_cast<Real>(error),
+          static_cast<Real>((apart + error) * (apart + error)),
           any_image,
           is_near(travel) && !any_image,
           static_cast<Real>(has_listed_ ? std::max(horizon_ - since_sort_, length) : length),

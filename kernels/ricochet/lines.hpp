@@ -201,6 +201,7 @@ struct Lines {
   Real diameter;
   Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance, or more
   Real rounding;       ///< more than it may add to a distance
+  Real apart2;         ///< square of a distance that two discs do not fly up to in the stretch
   bool any_image;      ///< whether discs may meet in more than their nearest images
   bool is_near;        ///< whether discs that meet in it were sorted into neighbouring cells
   Real until;          ///< time for which candidates are listed, or the end of the stretch
@@ -222,6 +223,13 @@ struct Lines {
   KOKKOS_INLINE_FUNCTION Real meeting(Vec2<Real> d, Vec2<Real> w, Real from, bool met) const
   {
     return from + arena.time_to_touch(arena.domain.separation({0, 0}, d), w, met, arena.end - from);
+  }
+
+  /// Whether two discs are so far apart as it begins that they cannot meet, whatever befalls them.
+  KOKKOS_INLINE_FUNCTION bool is_out_of_reach(int i, int k) const
+  {
+    auto const d = arena.domain.separation(discs.position(i), discs.position(k));
+    return dot(d, d) > apart2 && !any_image;
   }
 
   /// Whether a disc on a line surely meets no wall between two times.
@@ -258,7 +266,7 @@ struct Lines {
   /// The same for a line and a wall.
   KOKKOS_INLINE_FUNCTION Real not_before_wall(Line<Real> const& line, Real since) const
   {
-    if (misses_walls(line, since, until))
+    if (!arena.has_walls() || misses_walls(line, since, until))
       return std::numeric_limits<Real>::infinity();
     auto closer = with_closer_walls();
     closer.end = until;
