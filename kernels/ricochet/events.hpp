@@ -231,7 +231,7 @@ class EventDriven : public Engine {
 
   double events_aimed_at() const { return std::max(events_per_disc * discs_.count(), 8.0); }
 
-  static constexpr double events_per_disc = 0.05; ///< in a window
+  static constexpr double events_per_disc = 0.07; ///< in a window
 
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
