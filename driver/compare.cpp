@@ -40,17 +40,16 @@ class Side {
   }
   bool has(std::string const& field) const { return !file_ || file_->has(field); }
 
-  void read(std::string const& field, std::int64_t frame, std::int64_t first, std::int64_t count,
-            double* xyz) const
+  void read(std::string const& field, int component, std::int64_t frame, std::int64_t first,
+            std::int64_t count, double* values) const
   {
     if (file_)
-      return file_->read(field, frame, first, count, xyz);
+      return file_->read(field, component, frame, first, count, values);
     for (std::int64_t i = first; i < first + count; ++i) {
       DiscState const& disc = states_[static_cast<std::size_t>(i)];
       bool const is_position = field == "position";
-      *xyz++ = is_position ? disc.x : disc.vx;
-      *xyz++ = is_position ? disc.y : disc.vy;
-      *xyz++ = 0;
+      double const vector[3] = {is_position ? disc.x : disc.vx, is_position ? disc.y : disc.vy, 0};
+      *values++ = vector[component];
     }
   }
 
@@ -104,18 +103,20 @@ std::vector<FramePair> matching_frames(Side const& a, Side const& b, Comparison&
 void compare_field(Side const& a, Side const& b, FramePair const& pair, std::string const& field,
                    Comparison::Deviation* const components, double& largest_of_frame)
 {
-  std::vector<double> va(3 * slab), vb(3 * slab);
-  for (std::int64_t first = 0; first < a.discs(); first += slab) {
-    std::int64_t const count = std::min(slab, a.discs() - first);
-    a.read(field, pair.a, first, count, va.data());
-    b.read(field, pair.b, first, count, vb.data());
-    for (std::int64_t k = 0; k < 3 * count; ++k) {
-      auto const at = static_cast<std::size_t>(k);
-      double const apart = deviation(va[at], vb[at]);
-      Comparison::Deviation& component = components[k % 3];
-      largest_of_frame = std::max(largest_of_frame, apart);
-      if (apart > component.largest)
-        component = {component.component, apart, pair.step, first + k / 3, va[at], vb[at]};
+  std::vector<double> va(slab), vb(slab);
+  for (int k = 0; k < 3; ++k) {
+    Comparison::Deviation& component = components[k];
+    for (std::int64_t first = 0; first < a.discs(); first += slab) {
+      std::int64_t const count = std::min(slab, a.discs() - first);
+      a.read(field, k, pair.a, first, count, va.data());
+      b.read(field, k, pair.b, first, count, vb.data());
+      for (std::int64_t i = 0; i < count; ++i) {
+        auto const at = static_cast<std::size_t>(i);
+        double const apart = deviation(va[at], vb[at]);
+        largest_of_frame = std::max(largest_of_frame, apart);
+        if (apart > component.largest)
+          component = {component.component, apart, pair.step, first + i, va[at], vb[at]};
+      }
     }
   }
 }

@@ -12,21 +12,18 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
-// The vectors (x, y, 0) of some discs as HDF5's filter `shuffle` leaves them: the first bytes of
-// all numbers, then the second ones, and so on.
+// A component of some discs' vectors as HDF5's filter `shuffle` leaves it: the first bytes of all
+// numbers, then the second ones, and so on.
 template <class Real>
-Bytes shuffled(std::vector<DiscState> const& discs, std::size_t count, double DiscState::*x,
-               double DiscState::*y)
+Bytes shuffled(std::vector<DiscState> const& discs, std::size_t count, double DiscState::*component)
 {
-  std::size_t const numbers = 3 * count;
-  Bytes bytes(numbers * sizeof(Real));
-  for (std::size_t i = 0; i < numbers; ++i) {
-    DiscState const& disc = discs[i / 3];
-    Real const number = i % 3 == 2 ? Real(0) : static_cast<Real>(i % 3 == 0 ? disc.*x : disc.*y);
+  Bytes bytes(count * sizeof(Real));
+  for (std::size_t i = 0; i < count; ++i) {
+    auto const number = static_cast<Real>(discs[i].*component);
     unsigned char raw[sizeof(Real)];
     std::memcpy(raw, &number, sizeof number);
     for (std::size_t k = 0; k < sizeof(Real); ++k)
-      bytes[k * numbers + i] = raw[k];
+      bytes[k * count + i] = raw[k];
   }
   return bytes;
 }
@@ -34,15 +31,18 @@ Bytes shuffled(std::vector<DiscState> const& discs, std::size_t count, double Di
 template <class Real>
 void deflate(TrajectoryHeader const& header, std::vector<DiscState> const& discs, std::size_t count)
 {
-  auto const one = [&](double DiscState::*x, double DiscState::*y) {
-    Bytes const bytes = shuffled<Real>(discs, count, x, y);
+  auto const one = [&](double DiscState::*component) {
+    Bytes const bytes = shuffled<Real>(discs, count, component);
     uLongf size = ::compressBound(static_cast<uLong>(bytes.size()));
     Bytes out(size);
     ::compress2(out.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 1);
   };
-  one(&DiscState::x, &DiscState::y);
-  if (header.velocity)
-    one(&DiscState::vx, &DiscState::vy);
+  one(&DiscState::x);
+  one(&DiscState::y);
+  if (!header.velocity)
+    return;
+  one(&DiscState::vx);
+  one(&DiscState::vy);
 }
 
 } // namespace
@@ -55,7 +55,7 @@ bool is_large(TrajectoryHeader const& header)
 
 double seconds_to_deflate(TrajectoryHeader const& header, std::vector<DiscState> const& discs)
 {
-  constexpr std::size_t enough = 20000; // discs: about half a megabyte of each field
+  constexpr std::size_t enough = 20000; // discs: 160 KB of each component
   std::size_t const count = std::min(discs.size(), enough);
   if (count == 0)
     return 0;

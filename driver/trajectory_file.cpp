@@ -26,8 +26,10 @@ namespace {
 constexpr char const* time_path = "/particles/trajectory/position/time";
 constexpr char const* step_path = "/particles/trajectory/position/step";
 
-constexpr hsize_t most_discs_per_chunk = 131072; // 3 MiB of doubles
-constexpr hsize_t block_bytes = 1 << 19;         // of one field, for few discs
+// A component of the vectors has chunks of its own, so that those of z, which is 0 and there only
+// because readers of H5MD want it, take no space.
+constexpr hsize_t most_discs_per_chunk = 131072; // 1 MiB of doubles
+constexpr hsize_t block_bytes = 1 << 18;         // of a component, for few discs
 constexpr hsize_t series_chunk = 1024;           // numbers, for what has few a frame
 constexpr int numbers_per_frame = 17;            // beside the vectors: observables, step, time
 constexpr int numbers_of_edges = 9;              // more, in a periodic box
@@ -120,7 +122,7 @@ ChunkSizes chunk_sizes(TrajectoryHeader const& header)
 {
   auto const discs = static_cast<hsize_t>(header.discs);
   hsize_t const frame_bytes =
-      std::max<hsize_t>(1, discs) * 3 * (header.float32 ? sizeof(float) : sizeof(double));
+      std::max<hsize_t>(1, discs) * (header.float32 ? sizeof(float) : sizeof(double));
   auto const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header.frames));
   return {even_chunk(discs), static_cast<std::int64_t>(std::min(
                                  planned, std::max<hsize_t>(1, block_bytes / frame_bytes)))};
@@ -128,19 +130,19 @@ ChunkSizes chunk_sizes(TrajectoryHeader const& header)
 
 double forecast_bytes(TrajectoryHeader const& header)
 {
-  constexpr double deflated = 0.69;  // of vectors whose z is 0 and whose digits are random
+  constexpr double deflated = 0.85;  // of numbers whose last digits are random
   constexpr double metadata = 60e3;  // groups, texts, and the index of a few chunks
   constexpr double chunk_entry = 90; // in the index
   ChunkSizes const chunk = chunk_sizes(header);
   auto const whole = [](double count, double size) { return std::ceil(count / size) * size; };
   auto const frames = static_cast<double>(header.frames), discs = static_cast<double>(header.discs);
   auto const per_chunk = static_cast<double>(chunk.discs);
-  double const vectors = whole(frames, static_cast<double>(chunk.frames)) *
-                         whole(discs, per_chunk) * (header.velocity ? 2 : 1);
-  double const chunks = vectors / (static_cast<double>(chunk.frames) * per_chunk);
+  double const numbers = whole(frames, static_cast<double>(chunk.frames)) *
+                         whole(discs, per_chunk) * (header.velocity ? 4 : 2);
+  double const chunks = numbers / (static_cast<double>(chunk.frames) * per_chunk);
   double const number = header.float32 ? sizeof(float) : sizeof(double);
   double const in_series = std::min(frames, static_cast<double>(series_chunk));
-  return vectors * 3 * number * (header.deflate ? deflated : 1) + chunks * chunk_entry +
+  return numbers * number * (header.deflate ? deflated : 1) + chunks * chunk_entry +
          discs * sizeof(std::int64_t) +
          numbers_per_frame * whole(frames, in_series) * sizeof(double) + metadata;
 }
@@ -275,7 +277,7 @@ void TrajectoryFile::open()
 }
 
 void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, Shape row,
-                                   Shape chunk, Storage storage)
+                                   Shape chunk, bool deflate)
 {
   Shape size{0}, most{H5S_UNLIMITED};
   size.insert(size.end(), row.begin(), row.end());
@@ -285,11 +287,9 @@ void TrajectoryFile::create_series(hid_t parent, char const* name, hid_t type, S
 
   Properties const creation(H5Pcreate(H5P_DATASET_CREATE));
   hdf5::check(H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data()));
-  if (storage == Storage::deflated) {
+  if (deflate) {
     hdf5::check(H5Pset_shuffle(creation));
     hdf5::check(H5Pset_deflate(creation, 1));
-  } else if (storage == Storage::plain) {
-    hdf5::check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER));
   }
   Dataset const dataset(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT));
 }
@@ -299,13 +299,23 @@ Dataset TrajectoryFile::open_series(std::string const& path) const
   return Dataset(H5Dopen2(file_, path.c_str(), series_access()));
 }
 
-// Vectors that are not compressed go straight to their place, where copying them to a chunk first
-// would take a third of the time.
-Dataset TrajectoryFile::open_vectors(std::string const& path) const
+// Takes over how the file stores vectors: a file is gone on with as it was begun. Those that are
+// not compressed go straight to their place, where copying them to a chunk first would take a third
+// of the time.
+Dataset TrajectoryFile::open_vectors(std::string const& path)
 {
   Dataset dataset = open_series(path);
   Properties const creation(H5Dget_create_plist(dataset));
-  if (hdf5::check(H5Pget_nfilters(creation)) > 0)
+  hdf5::Datatype const type(H5Dget_type(dataset));
+  hsize_t chunk[3] = {};
+  header_.float32 = hdf5::check(H5Tequal(type, hdf5::native<float>())) > 0;
+  if ((!header_.float32 && hdf5::check(H5Tequal(type, hdf5::native<double>())) == 0) ||
+      hdf5::check(H5Pget_chunk(creation, 3, chunk)) != 3 || chunk[2] != 1)
+    throw hdf5::Error("it stores vectors in another way than this version of ricochet");
+  frames_per_block_ = static_cast<std::int64_t>(chunk[0]);
+  discs_per_chunk_ = chunk[1];
+  header_.deflate = hdf5::check(H5Pget_nfilters(creation)) > 0;
+  if (header_.deflate)
     return dataset;
   Properties access(H5Pcreate(H5P_DATASET_ACCESS));
   hdf5::check(H5Pset_chunk_cache(access, 0, 0, 1.0));
@@ -336,19 +346,18 @@ void TrajectoryFile::create_particles()
 {
   hsize_t const planned = static_cast<hsize_t>(std::max<std::int64_t>(1, header_.frames));
   hid_t const real = header_.float32 ? hdf5::native<float>() : hdf5::native<double>();
-  Storage const storage = header_.deflate ? Storage::deflated : Storage::plain;
   Shape const row{discs_, 3};
-  Shape const chunk{static_cast<hsize_t>(frames_per_block_), discs_per_chunk_, 3};
+  Shape const chunk{static_cast<hsize_t>(frames_per_block_), discs_per_chunk_, 1};
   Group const group = hdf5::create_group(file_, "/particles/trajectory");
 
   Group const position = hdf5::create_group(group, "position");
-  create_series(position, "value", real, row, chunk, storage);
+  create_series(position, "value", real, row, chunk, header_.deflate);
   create_series(position, "step", hdf5::native<std::int64_t>(), {},
                 {std::min(planned, series_chunk)});
   create_series(position, "time", hdf5::native<double>(), {}, {std::min(planned, series_chunk)});
   if (header_.velocity) {
     Group const velocity = hdf5::create_group(group, "velocity");
-    create_series(velocity, "value", real, row, chunk, storage);
+    create_series(velocity, "value", real, row, chunk, header_.deflate);
     link_time(velocity);
   }
 
@@ -434,9 +443,16 @@ void TrajectoryFile::append(std::vector<std::unique_ptr<Frame>> const& frames)
 {
   if (frames.empty())
     return;
+  // Chunks that are new; or, of compressed ones, which move when they grow, all.
+  auto const blocks_of = [&](std::int64_t count) {
+    return (count + frames_per_block_ - 1) / frames_per_block_;
+  };
+  auto const end = frames_ + static_cast<std::int64_t>(frames.size());
+  auto const blocks = static_cast<std::uint64_t>(
+      blocks_of(end) - (header_.deflate ? frames_ / frames_per_block_ : blocks_of(frames_)));
   std::uint64_t const chunks = (discs_ + discs_per_chunk_ - 1) / discs_per_chunk_;
-  std::uint64_t const numbers = static_cast<std::uint64_t>(frames_per_block_) * chunks *
-                                discs_per_chunk_ * 3 * (header_.velocity ? 2 : 1);
+  std::uint64_t const numbers = blocks * static_cast<std::uint64_t>(frames_per_block_) * chunks *
+                                discs_per_chunk_ * (header_.velocity ? 4 : 2);
   std::uint64_t const vectors = numbers * (header_.float32 ? sizeof(float) : sizeof(double));
   guarded([&] {
     in_memory_ +=
@@ -466,15 +482,10 @@ void TrajectoryFile::flush_file()
 
 void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& frames)
 {
-  if (header_.float32) {
-    write_vectors(position_, frames, &DiscState::x, &DiscState::y, buffer32_);
-    if (header_.velocity)
-      write_vectors(velocity_, frames, &DiscState::vx, &DiscState::vy, buffer32_);
-  } else {
-    write_vectors(position_, frames, &DiscState::x, &DiscState::y, buffer64_);
-    if (header_.velocity)
-      write_vectors(velocity_, frames, &DiscState::vx, &DiscState::vy, buffer64_);
-  }
+  if (header_.float32)
+    write_vectors(frames, buffer32_);
+  else
+    write_vectors(frames, buffer64_);
   if (edges_ >= 0)
     write_edges(frames);
   for (Element const& element : elements_) {
@@ -494,26 +505,41 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
   frames_ += static_cast<std::int64_t>(frames.size());
 }
 
-// Writes the vectors (x, y, 0) of all discs, a chunk at a time: file systems on disks take few
-// large pieces at a lower cost than many small ones.
+// Writes the components of all discs' vectors, each to a chunk of its own. Chunks of z, which is 0,
+// are not written, nor do they exist.
 template <class Real>
-void TrajectoryFile::write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
-                                   double DiscState::*x, double DiscState::*y,
+void TrajectoryFile::write_vectors(std::vector<std::unique_ptr<Frame>> const& frames,
                                    std::vector<Real>& buffer)
 {
   auto const start = static_cast<hsize_t>(frames_);
-  set_frames(dataset, start + frames.size());
+  for (hid_t const dataset : {hid_t{position_}, hid_t{velocity_}})
+    if (dataset >= 0)
+      set_frames(dataset, start + frames.size());
+  bool const are_whole = !header_.deflate && frames_ % frames_per_block_ == 0 &&
+                         static_cast<std::int64_t>(frames.size()) == frames_per_block_;
   for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
     hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
-    buffer.resize(frames.size() * count * 3);
-    Real* out = buffer.data();
-    for (auto const& frame : frames)
-      for (hsize_t i = first; i < first + count; ++i) {
-        *out++ = static_cast<Real>(frame->states[i].*x);
-        *out++ = static_cast<Real>(frame->states[i].*y);
-        *out++ = 0;
+    hsize_t const row = are_whole ? discs_per_chunk_ : count, size = frames.size() * row;
+    buffer.resize(4 * size);
+    Real *x = buffer.data(), *y = x + size, *vx = y + size, *vy = vx + size;
+    for (auto const& frame : frames) { // once through the states, from memory that is slow
+      DiscState const* const states = frame->states.data() + first;
+      for (hsize_t i = 0; i < count; ++i) {
+        x[i] = static_cast<Real>(states[i].x);
+        y[i] = static_cast<Real>(states[i].y);
+        vx[i] = static_cast<Real>(states[i].vx);
+        vy[i] = static_cast<Real>(states[i].vy);
       }
-    hdf5::write(dataset, {start, first, 0}, {frames.size(), count, 3}, buffer.data());
+      for (Real** component : {&x, &y, &vx, &vy})
+        *component += row;
+    }
+    Real const* values = buffer.data();
+    for (hid_t const dataset : {hid_t{position_}, hid_t{velocity_}})
+      for (hsize_t component = 0; component < 2 && dataset >= 0; ++component, values += size)
+        if (are_whole)
+          hdf5::write_chunk(dataset, {start, first, component}, size, values);
+        else
+          hdf5::write(dataset, {start, first, component}, {frames.size(), count, 1}, values);
   }
 }
 

@@ -79,13 +79,6 @@ class TrajectoryFile {
   void close();
 
  private:
-  /// What is done with the chunks of a series.
-  enum class Storage {
-    filled, ///< with zeros beyond the last frame
-    plain,  ///< nothing: frames go to their place
-    deflated
-  };
-
   struct Observable;
   struct Element {
     hdf5::Dataset value;
@@ -99,17 +92,16 @@ class TrajectoryFile {
   void create();
   void open();
   hdf5::Dataset open_series(std::string const& path) const;
-  hdf5::Dataset open_vectors(std::string const& path) const;
+  hdf5::Dataset open_vectors(std::string const& path);
   std::vector<hdf5::Dataset*> series();
   void create_particles();
   void create_observables();
   void create_parameters();
   static void create_series(hid_t parent, char const* name, hid_t type, hdf5::Shape row,
-                            hdf5::Shape chunk, Storage storage = Storage::filled);
+                            hdf5::Shape chunk, bool deflate = false);
   void link_time(hid_t element);
   template <class Real>
-  void write_vectors(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
-                     double DiscState::*x, double DiscState::*y, std::vector<Real>& buffer);
+  void write_vectors(std::vector<std::unique_ptr<Frame>> const& frames, std::vector<Real>& buffer);
   void write_frames(std::vector<std::unique_ptr<Frame>> const& frames);
   template <class T, class Get>
   void write_series(hid_t dataset, std::vector<std::unique_ptr<Frame>> const& frames,
@@ -121,8 +113,8 @@ class TrajectoryFile {
 
   TrajectoryHeader header_;
   hsize_t discs_;
-  hsize_t discs_per_chunk_;
-  std::int64_t frames_per_block_;
+  hsize_t discs_per_chunk_;       ///< of vectors
+  std::int64_t frames_per_block_; ///< and of these
   std::int64_t frames_ = 0;
   std::uint64_t in_memory_ = 0; ///< bytes of appended frames that may not have a place in the file
   DiskSpace space_;

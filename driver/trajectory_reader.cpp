@@ -119,35 +119,34 @@ bool TrajectoryReader::has(std::string const& field) const
   return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
 }
 
-void TrajectoryReader::read(std::string const& field, std::int64_t frame, std::int64_t first,
-                            std::int64_t count, double* xyz) const
+void TrajectoryReader::read(std::string const& field, int component, std::int64_t frame,
+                            std::int64_t first, std::int64_t count, double* values) const
 {
   auto const which = std::find(fields_.begin(), fields_.end(), field) - fields_.begin();
   guarded([&] {
     if (count > 0)
       hdf5::read(values_.at(static_cast<std::size_t>(which)),
-                 {static_cast<hsize_t>(frame), static_cast<hsize_t>(first), 0},
-                 {1, static_cast<hsize_t>(count), 3}, xyz);
+                 {static_cast<hsize_t>(frame), static_cast<hsize_t>(first),
+                  static_cast<hsize_t>(component)},
+                 {1, static_cast<hsize_t>(count), 1}, values);
   });
 }
 
 void TrajectoryReader::read_states(std::int64_t frame, std::vector<DiscState>& discs) const
 {
-  auto const count = static_cast<std::size_t>(discs_);
-  discs.assign(count, {});
-  xyz_.resize(3 * count);
-  read("position", frame, 0, discs_, xyz_.data());
-  for (std::size_t i = 0; i < count; ++i) {
-    discs[i].x = xyz_[3 * i];
-    discs[i].y = xyz_[3 * i + 1];
-  }
-  if (!has("velocity"))
-    return;
-  read("velocity", frame, 0, discs_, xyz_.data());
-  for (std::size_t i = 0; i < count; ++i) {
-    discs[i].vx = xyz_[3 * i];
-    discs[i].vy = xyz_[3 * i + 1];
-  }
+  discs.assign(static_cast<std::size_t>(discs_), {});
+  component_.resize(discs.size());
+  auto const take = [&](char const* field, int component, double DiscState::*value) {
+    if (!has(field))
+      return;
+    read(field, component, frame, 0, discs_, component_.data());
+    for (std::size_t i = 0; i < discs.size(); ++i)
+      discs[i].*value = component_[i];
+  };
+  take("position", 0, &DiscState::x);
+  take("position", 1, &DiscState::y);
+  take("velocity", 0, &DiscState::vx);
+  take("velocity", 1, &DiscState::vy);
 }
 
 bool TrajectoryReader::is_single_precision(std::string const& field) const

@@ -33,9 +33,9 @@ class TrajectoryReader {
   std::vector<std::string> const& fields() const { return fields_; }
   bool has(std::string const& field) const;
 
-  /// The vectors (x, y, z) of the discs from `first` on in `frame`.
-  void read(std::string const& field, std::int64_t frame, std::int64_t first, std::int64_t count,
-            double* xyz) const;
+  /// A component, 0 to 2, of the vectors of the discs from `first` on in `frame`.
+  void read(std::string const& field, int component, std::int64_t frame, std::int64_t first,
+            std::int64_t count, double* values) const;
 
   /// The discs in `frame`, in place of `discs`; without "velocity" in the file they are at rest.
   void read_states(std::int64_t frame, std::vector<DiscState>& discs) const;
@@ -66,8 +66,8 @@ class TrajectoryReader {
   std::int64_t discs_ = 0;
   std::vector<std::int64_t> steps_;
   std::vector<std::string> fields_;
-  std::vector<hdf5::Dataset> values_; ///< by field
-  mutable std::vector<double> xyz_;   ///< of the field read last, kept for its memory
+  std::vector<hdf5::Dataset> values_;     ///< by field
+  mutable std::vector<double> component_; ///< that was read last, kept for its memory
 };
 
 } // namespace ricochet::driver

@@ -94,7 +94,7 @@ std::vector<std::size_t> fingerprints(std::string const& path)
 {
   TrajectoryReader const file(path);
   std::vector<std::size_t> all;
-  std::vector<double> xyz(3 * static_cast<std::size_t>(file.discs()));
+  std::vector<double> values(static_cast<std::size_t>(file.discs()));
   auto const kinetic = file.observable("kinetic"), hits = file.observable("collisions"),
              times = file.times();
   for (std::int64_t frame = 0; frame < file.frames(); ++frame) {
@@ -104,10 +104,11 @@ std::vector<std::size_t> fingerprints(std::string const& path)
     auto const add = [&](void const* data, std::size_t bytes) {
       bits.append(static_cast<char const*>(data), bytes);
     };
-    for (char const* field : {"position", "velocity"}) {
-      file.read(field, frame, 0, file.discs(), xyz.data());
-      add(xyz.data(), xyz.size() * sizeof(double));
-    }
+    for (char const* field : {"position", "velocity"})
+      for (int component = 0; component < 3; ++component) {
+        file.read(field, component, frame, 0, file.discs(), values.data());
+        add(values.data(), values.size() * sizeof(double));
+      }
     for (auto const* list : {&kinetic, &hits, &times})
       add(&list->at(at), sizeof(double));
     all.push_back(std::hash<std::string>{}(bits));

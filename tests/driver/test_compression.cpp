@@ -10,9 +10,9 @@ TEST(Compression, IsNotWorthTheTroubleForASmallFile)
 {
   TrajectoryHeader header;
   header.discs = 2000;
-  header.frames = 100; // of 96 kB
+  header.frames = 100; // of 64 kB
   EXPECT_FALSE(is_large(header));
-  header.frames = 200;
+  header.frames = 300;
   EXPECT_TRUE(is_large(header));
   header.velocity = false;
   EXPECT_FALSE(is_large(header));

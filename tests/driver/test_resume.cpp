@@ -319,7 +319,7 @@ TEST(Batch, AJobGoesOnWhenThereIsRoomAgain)
   Job const whole = small_job(reference, more);
   ASSERT_EQ(ricochet(whole.run()).code, 0);
   int went_on = 0;
-  for (std::int64_t const limit : {3000, 40000, 66000, 600000, 3300000, 4800000}) {
+  for (std::int64_t const limit : {3000, 40000, 66000, 400000, 2600000, 3600000}) {
     Folder const folder;
     Job const job = small_job(folder, more);
     ProcessOptions full;

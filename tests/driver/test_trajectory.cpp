@@ -58,11 +58,11 @@ void fill(Frame& frame, std::int64_t index)
   }
 }
 
-void write_frames(TrajectoryHeader const& header)
+void write_frames(TrajectoryHeader const& header, std::int64_t end)
 {
   TrajectoryFile file(header);
   FrameWriter writer(file, header.discs);
-  for (std::int64_t index = 0; index < header.frames; ++index) {
+  for (std::int64_t index = header.kept; index < end; ++index) {
     auto frame = writer.borrow();
     fill(*frame, index);
     writer.submit(std::move(frame));
@@ -71,13 +71,29 @@ void write_frames(TrajectoryHeader const& header)
   file.close();
 }
 
+void expect_vectors(TrajectoryReader const& file, Shape const& shape)
+{
+  std::vector<double> values(static_cast<std::size_t>(shape.discs));
+  for (std::int64_t index = 0; index < shape.frames; ++index)
+    for (int field = 0; field < (shape.velocity ? 2 : 1); ++field)
+      for (int component = 0; component < 3; ++component) {
+        std::fill(values.begin(), values.end(), 17); // z is not what was there before, either
+        file.read(field == 0 ? "position" : "velocity", component, index, 0, shape.discs,
+                  values.data());
+        for (std::int64_t disc = 0; disc < shape.discs; ++disc)
+          ASSERT_EQ(values[static_cast<std::size_t>(disc)],
+                    component < 2 ? number(index, disc, 2 * field + component) : 0)
+              << index << " " << disc << " " << component;
+      }
+}
+
 class Trajectories : public testing::TestWithParam<Shape> {};
 
 TEST_P(Trajectories, ReadBackAsTheyWereWritten)
 {
   Shape const shape = GetParam();
   Folder const folder;
-  write_frames(header_for(folder / "t.h5md", shape));
+  write_frames(header_for(folder / "t.h5md", shape), shape.frames);
 
   TrajectoryReader const file(folder / "t.h5md");
   ASSERT_EQ(file.frames(), shape.frames);
@@ -91,35 +107,45 @@ TEST_P(Trajectories, ReadBackAsTheyWereWritten)
   auto const times = file.times();
   auto const kinetic = file.observable("kinetic");
   auto const collisions = file.observable("collisions");
-  std::vector<double> xyz(3 * static_cast<std::size_t>(shape.discs));
   for (std::int64_t index = 0; index < shape.frames; ++index) {
     auto const at = static_cast<std::size_t>(index);
     ASSERT_EQ(file.steps()[at], 3 * index);
     ASSERT_EQ(times.at(at), 0.5 * static_cast<double>(index));
     ASSERT_EQ(kinetic.at(at), static_cast<double>(index) + 0.25);
     ASSERT_EQ(collisions.at(at), 11.0 * static_cast<double>(index));
-    for (int field = 0; field < (shape.velocity ? 2 : 1); ++field) {
-      file.read(field == 0 ? "position" : "velocity", index, 0, shape.discs, xyz.data());
-      for (std::int64_t disc = 0; disc < shape.discs; ++disc) {
-        auto const i = 3 * static_cast<std::size_t>(disc);
-        ASSERT_EQ(xyz[i], number(index, disc, 2 * field)) << index << " " << disc;
-        ASSERT_EQ(xyz[i + 1], number(index, disc, 2 * field + 1)) << index << " " << disc;
-        ASSERT_EQ(xyz[i + 2], 0);
-      }
-    }
   }
+  expect_vectors(file, shape);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, Trajectories,
     testing::Values(Shape{0, 5, false, false, true},     // no discs
                     Shape{1, 1, false, false, true},     // one frame
-                    Shape{2, 30000, false, false, true}, // 21,845 frames a block
+                    Shape{2, 30000, false, false, true}, // 16,384 frames a block
                     Shape{1000, 73, false, false, true}, // a last block that is not full
                     Shape{1000, 40, true, false, true}, Shape{1000, 40, false, true, true},
                     Shape{1000, 40, true, true, false},
-                    Shape{150000, 3, false, false, true}, // two chunks a frame
+                    Shape{150001, 3, false, false, true}, // two chunks a frame, one not full
                     Shape{131073, 2, true, true, true})); // an odd share of discs
+
+// A run that goes on may be asked for another precision, compression or number of frames.
+TEST(Trajectory, AFileIsGoneOnWithAsItWasBegun)
+{
+  for (bool const deflate : {false, true})
+    for (bool const float32 : {false, true}) {
+      Folder const folder;
+      Shape const begun{1000, 80, float32, deflate, true};
+      write_frames(header_for(folder / "t.h5md", begun), 40);
+      TrajectoryHeader other = header_for(folder / "t.h5md", {1000, 9, !float32, !deflate, true});
+      other.kept = 35;
+      write_frames(other, 80);
+      TrajectoryReader const file(folder / "t.h5md");
+      ASSERT_EQ(file.frames(), 80);
+      EXPECT_EQ(file.is_single_precision("position"), float32);
+      EXPECT_EQ(file.is_compressed("velocity"), deflate);
+      expect_vectors(file, begun);
+    }
+}
 
 // What is in the file of a writer that is still at work, as after a kill. A copy is read, because
 // HDF5 shows a second reader in the same process what has not reached the file yet.
@@ -179,7 +205,7 @@ TEST(Trajectory, APeriodicBoxHasTimeDependentEdgesAndWallsHaveNone)
     header.replace = true;
     header.model.box.width = 50;
     header.model.box.x = periodic ? Boundary::periodic : Boundary::walls;
-    write_frames(header);
+    write_frames(header, header.frames);
 
     TrajectoryReader const reader(folder / "t.h5md");
     EXPECT_EQ(reader.boundary(),
@@ -211,7 +237,7 @@ TEST(Trajectory, AnExistingFileIsKeptUnlessReplaced)
   }
   EXPECT_EQ(test::text_of(folder / "t.h5md"), "precious");
   header.replace = true;
-  write_frames(header);
+  write_frames(header, header.frames);
   EXPECT_EQ(TrajectoryReader(folder / "t.h5md").frames(), 1);
 }
 
