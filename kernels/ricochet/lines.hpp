@@ -235,7 +235,8 @@ struct Lines {
   /// Whether a disc on a line surely meets no wall between two times.
   KOKKOS_INLINE_FUNCTION bool misses_walls(Line<Real> const& line, Real from, Real to) const
   {
-    return with_closer_walls().misses_walls(arena.in_lab(line.motion(from), from), to - from);
+    return !arena.has_walls() ||
+           with_closer_walls().misses_walls(arena.in_lab(line.motion(from), from), to - from);
   }
 
   /// The arena with walls that are closer by what rounding may add to a distance.
@@ -266,7 +267,7 @@ struct Lines {
   /// The same for a line and a wall.
   KOKKOS_INLINE_FUNCTION Real not_before_wall(Line<Real> const& line, Real since) const
   {
-    if (!arena.has_walls() || misses_walls(line, since, until))
+    if (misses_walls(line, since, until))
       return std::numeric_limits<Real>::infinity();
     auto closer = with_closer_walls();
     closer.end = until;
