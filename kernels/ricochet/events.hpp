@@ -207,11 +207,14 @@ class EventDriven : public Engine {
 
   /// In a window no disc flies farther than some diameters, or the square of a distance would leave
   /// little of that of a diameter; nor, at the speed of the fastest, through more than a sixteenth
-  /// of a periodic box; nor falls deeper than the box is high.
+  /// of a periodic box, or half the spacing of discs, or those it meets would not be stored near
+  /// it; nor falls deeper than the box is high.
   double longest_window() const
   {
     double const diameters = (sizeof(Real) > sizeof(float) ? 64 : 8) * 2 * model_.radius;
-    double const path = std::min(diameters, narrowest_period() / 16);
+    double const spacing =
+        std::sqrt(model_.box.width / std::max(discs_.count(), 1) * model_.box.height);
+    double const path = std::min({diameters, narrowest_period() / 16, spacing / 2});
     double const g = std::fabs(model_.gravity);
     double const fall = g > 0 ? std::sqrt(model_.box.height / g) : dt_;
     return speed_ > 0 ? std::min(path / speed_, fall) : fall;
