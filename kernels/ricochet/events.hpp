@@ -77,12 +77,14 @@ class EventDriven : public Engine {
   {
     ProfilingRegion const region("ricochet::window");
     double const longest = longest_window();
-    double parts, fastest = 0;
+    double left, fastest = 0;
     do {
-      parts = std::max(1.0, std::ceil(remaining_ / std::min(window_, longest)));
-    } while (!advance<periodic>(remaining_ / parts, fastest));
-    double const length = remaining_ / parts;
-    remaining_ = parts > 1 ? remaining_ - length : 0;
+      double const parts = std::max(1.0, std::ceil(remaining_ / std::min(window_, longest)));
+      // remaining_ - left is exact (Sterbenz), so the windows of a step last exactly as long as it.
+      left = parts > 1 ? remaining_ - remaining_ / parts : 0;
+    } while (!advance<periodic>(remaining_ - left, fastest));
+    double const length = remaining_ - left;
+    remaining_ = left;
     choose_next_window(length);
   }
 
