@@ -21,7 +21,7 @@ namespace ricochet::driver {
 
 namespace {
 
-constexpr std::int64_t present_format = 2;
+constexpr std::int64_t present_format = 3;
 
 /// A checksum of everything in a checkpoint.
 class Checksum {

@@ -183,12 +183,13 @@ void write(hid_t dataset, Shape const& start, Shape const& count, T const* value
   check(H5Dwrite(dataset, native<T>(), memory, space, H5P_DEFAULT, values));
 }
 
-/// Writes a whole chunk of a dataset of this type without filters: `count` values, which go to
-/// their place in the file without any copy.
+/// Writes a whole chunk of a dataset of this type without filters: all its values in order, which
+/// go to their place in the file without any copy.
 template <class T>
-void write_chunk(hid_t dataset, Shape const& start, hsize_t count, T const* values)
+void write_chunk(hid_t dataset, Shape const& start, std::vector<T> const& values)
 {
-  check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, start.data(), count * sizeof(T), values));
+  check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, start.data(), values.size() * sizeof(T),
+                       values.data()));
 }
 
 /// Creates a dataset of a shape that stays.

@@ -551,7 +551,7 @@ Forecast Run::forecast()
   forecast.frames = planned.frames;
   forecast.file = forecast_bytes(planned);
   // Frames are written beside the steps, as fast as this on a core of a server.
-  double const writing = forecast.file / (planned.deflate ? 20e6 : 1e9);
+  double const writing = forecast.file / (planned.deflate ? 40e6 : 1e9);
   forecast.seconds = std::max(seconds + static_cast<double>(planned.frames) * a_frame, writing);
   bool const queue_is_full = writing > 0.8 * forecast.seconds;
   constexpr double hdf5_memory = 5e6; // of the library and its buffers

@@ -73,7 +73,8 @@ Properties access_properties()
   return access;
 }
 
-// One chunk is open at a time; it must fit in the cache, and is done with once it is full.
+// The chunks of x and y of compressed vectors are open at a time; both must fit in the cache, and
+// are done with once they are full.
 Properties series_access()
 {
   Properties access(H5Pcreate(H5P_DATASET_ACCESS));
@@ -273,6 +274,8 @@ void TrajectoryFile::open()
   for (Dataset* dataset : series())
     set_frames(*dataset, kept);
   hdf5::check(H5Fflush(file_, H5F_SCOPE_LOCAL));
+  space_ = DiskSpace(header_.path); // a file that is cut has lost what was reserved behind its end
+  reserve(0);
   frames_ = header_.kept;
 }
 
@@ -519,27 +522,27 @@ void TrajectoryFile::write_vectors(std::vector<std::unique_ptr<Frame>> const& fr
                          static_cast<std::int64_t>(frames.size()) == frames_per_block_;
   for (hsize_t first = 0; first < discs_; first += discs_per_chunk_) {
     hsize_t const count = std::min(discs_per_chunk_, discs_ - first);
-    hsize_t const row = are_whole ? discs_per_chunk_ : count, size = frames.size() * row;
-    buffer.resize(4 * size);
-    Real *x = buffer.data(), *y = x + size, *vx = y + size, *vy = vx + size;
-    for (auto const& frame : frames) { // once through the states, from memory that is slow
-      DiscState const* const states = frame->states.data() + first;
-      for (hsize_t i = 0; i < count; ++i) {
-        x[i] = static_cast<Real>(states[i].x);
-        y[i] = static_cast<Real>(states[i].y);
-        vx[i] = static_cast<Real>(states[i].vx);
-        vy[i] = static_cast<Real>(states[i].vy);
+    hsize_t const row = are_whole ? discs_per_chunk_ : count;
+    buffer.assign(frames.size() * row, Real(0));
+    auto const write = [&](hid_t dataset, hsize_t component, double DiscState::*number) {
+      if (dataset < 0)
+        return;
+      Real* out = buffer.data();
+      for (auto const& frame : frames) {
+        DiscState const* const states = frame->states.data() + first;
+        for (hsize_t i = 0; i < count; ++i)
+          out[i] = static_cast<Real>(states[i].*number);
+        out += row;
       }
-      for (Real** component : {&x, &y, &vx, &vy})
-        *component += row;
-    }
-    Real const* values = buffer.data();
-    for (hid_t const dataset : {hid_t{position_}, hid_t{velocity_}})
-      for (hsize_t component = 0; component < 2 && dataset >= 0; ++component, values += size)
-        if (are_whole)
-          hdf5::write_chunk(dataset, {start, first, component}, size, values);
-        else
-          hdf5::write(dataset, {start, first, component}, {frames.size(), count, 1}, values);
+      if (are_whole)
+        hdf5::write_chunk(dataset, {start, first, component}, buffer);
+      else
+        hdf5::write(dataset, {start, first, component}, {frames.size(), count, 1}, buffer.data());
+    };
+    write(position_, 0, &DiscState::x);
+    write(position_, 1, &DiscState::y);
+    write(velocity_, 0, &DiscState::vx);
+    write(velocity_, 1, &DiscState::vy);
   }
 }
 

@@ -201,7 +201,7 @@ struct Lines {
   Real diameter;
   Real safe_distance2; ///< square of a diameter and of what rounding may add to a distance, or more
   Real rounding;       ///< more than it may add to a distance
-  Real apart2;         ///< square of a distance that two discs do not fly up to in the stretch
+  Real apart2;         ///< square of a distance from which on two discs do not meet in the stretch
   bool any_image;      ///< whether discs may meet in more than their nearest images
   bool is_near;        ///< whether discs that meet in it were sorted into neighbouring cells
   Real until;          ///< time for which candidates are listed, or the end of the stretch
