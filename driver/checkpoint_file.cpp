@@ -132,10 +132,10 @@ SavedRun read_file(std::string const& path)
   run.version = hdf5::read_text(file, "version");
   if (format != present_format || run.version != version())
     throw Failure(Exit::bad_data,
-                  fmt::format("cannot go on from '{}': ricochet {} made it, and this is {} (their "
-                              "results may differ) finish with the other, or start again with "
-                              "--force",
-                              path, run.version, version()));
+                  fmt::format("cannot go on from '{}': ricochet {} made it, with checkpoints of "
+                              "format {}, and this is {} with format {}, whose results may differ: "
+                              "finish with the other, or start again with --force",
+                              path, run.version, format, version(), present_format));
   run.identity = hdf5::read_text(file, "identity");
   run.summary = hdf5::read_text(file, "summary");
   run.summary_json = hdf5::read_text(file, "summary_json");
