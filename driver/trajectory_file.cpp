@@ -509,7 +509,8 @@ void TrajectoryFile::write_frames(std::vector<std::unique_ptr<Frame>> const& fra
 }
 
 // Writes the components of all discs' vectors, each to a chunk of its own. Chunks of z, which is 0,
-// are not written, nor do they exist.
+// are not written, nor do they exist: HDF5 reads them as the fill value, unless it is told never to
+// use one (H5D_FILL_TIME_NEVER).
 template <class Real>
 void TrajectoryFile::write_vectors(std::vector<std::unique_ptr<Frame>> const& frames,
                                    std::vector<Real>& buffer)
