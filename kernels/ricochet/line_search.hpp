@@ -68,8 +68,7 @@ class LineSearch {
   /// also if there was no room for all.
   int list_called(Space const& space, int round, int place = 0)
   {
-    scan("ricochet::list_called", space, memory_.blocks(),
-         ListCalled<Space>{memory_, round, place});
+    ricochet::list_called(space, memory_, round, place, &memory_.counts.data()->called);
     return read_counts(space).called;
   }
 

@@ -14,6 +14,7 @@
 // the candidates it has then. line_search.hpp plans this.
 #pragma once
 
+#include "ricochet/call_ups.hpp"
 #include "ricochet/contacts.hpp"
 #include "ricochet/free_paths.hpp"
 
@@ -44,19 +45,10 @@ struct Happened {
   }
 };
 
-/// Candidates, and the discs that are called up because something happens to them. By slot unless
-/// it says otherwise. Between stretches of time nobody is called up.
-///
-/// A disc is called up by a mark, and those with marks are then listed in the order of slots, so
-/// that threads keep to discs of their own and share no counter.
+/// Candidates, and the discs that are called up because something happens to them. Between
+/// stretches of time nobody is called up.
 template <class Space>
-struct LineMemory {
-  using Ints = Kokkos::View<int*, Space>;
-  static constexpr int block = 16; ///< slots; a gas has fewer contacts at a time than blocks
-
-  Ints called;          ///< latest round it was called up for, or 0; for whole blocks
-  Ints called_in_block; ///< latest round that any of a block was called up for
-  Ints list; ///< those called up for a round, in order, and after them those of others if asked for
+struct LineMemory : CallUps<Space> {
   /// Candidates, some of them more than once: the slots of two discs, or one and `partner::none`
   /// where it is a wall.
   Kokkos::View<int* [2], Space> candidate;
@@ -73,79 +65,16 @@ struct LineMemory {
 
   /// For n discs, of whose lists as many as `listed` are kept at a time.
   LineMemory(int n, int listed)
-    : called("ricochet::called_for_round", blocks_of(block, n) * block),
-      called_in_block("ricochet::called_in_block", blocks_of(block, n)),
-      list(uninitialised<Ints>("ricochet::called_up", listed)),
+    : CallUps<Space>(n, listed),
       candidate(uninitialised<decltype(candidate)>("ricochet::candidates", 3 * n)),
       due(uninitialised<decltype(due)>("ricochet::candidate_due", 3 * n)),
       counts("ricochet::line_counts")
   {
   }
 
-  /// Returns whether the disc was not called up for this round before; several threads that call it
-  /// up at the same time may all be told so.
-  KOKKOS_INLINE_FUNCTION bool call_up(int slot, int round) const
-  {
-    if (peek(called(slot)) == round)
-      return false;
-    poke(called(slot), round);
-    poke(called_in_block(slot / block), round);
-    return true;
-  }
-
-  KOKKOS_INLINE_FUNCTION int blocks() const { return static_cast<int>(called_in_block.extent(0)); }
-
-  /// Calls visit(slot) for those of a block of slots that were called up, and takes it back.
-  template <class Visit>
-  KOKKOS_INLINE_FUNCTION void dismiss_block(int b, Visit const& visit) const
-  {
-    if (called_in_block(b) == 0)
-      return;
-    called_in_block(b) = 0;
-    for_each_in_block(b, block, static_cast<int>(called.extent(0)), [&](int slot) {
-      if (called(slot) == 0)
-        return;
-      called(slot) = 0;
-      visit(slot);
-    });
-  }
-
-  /// The same for one disc.
-  KOKKOS_INLINE_FUNCTION void dismiss(int slot) const
-  {
-    called(slot) = 0;
-    poke(called_in_block(slot / block), 0); // others of the block do so, too
-  }
-
-  void keep_listed(int listed) { list = uninitialised<Ints>("ricochet::called_up", listed); }
-
   bool has_room(int candidates) const
   {
     return candidates <= static_cast<int>(candidate.extent(0));
-  }
-};
-
-/// Lists the discs that are called up for a round, a block of slots at a time: the body of a scan.
-template <class Space>
-struct ListCalled {
-  LineMemory<Space> m;
-  int round;
-  int place; ///< in the list, of the first
-
-  KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
-  {
-    if (m.called_in_block(b) == round) {
-      int const* const called = &m.called(b * m.block);
-      unsigned marks = 0; // without a branch
-#pragma omp simd reduction(| : marks)
-      for (int k = 0; k < m.block; ++k)
-        marks |= called[k] == round ? 1u << k : 0u;
-      for (; marks != 0; marks &= marks - 1, ++before)
-        if (final && place + before < static_cast<int>(m.list.extent(0)))
-          m.list(place + before) = b * m.block + lowest_bit(marks);
-    }
-    if (final && b + 1 == m.blocks())
-      m.counts().called = before;
   }
 };
 
