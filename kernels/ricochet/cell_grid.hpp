@@ -179,17 +179,24 @@ struct Cells {
     }
   }
 
-  /// Calls visit(c) for all cells that for_runs_around() looks into, each once.
+  /// Calls visit(c) for all cells of the box that for_runs_around() looks into, each once; and for
+  /// some outside, which are empty, where nothing is periodic.
   template <bool periodic, class Visit>
   KOKKOS_INLINE_FUNCTION void for_cells_around(int cell, Visit const& visit) const
   {
-    int const rows[3] = {y.before(row(cell)), row(cell), y.after(row(cell))};
-    for (int const r : rows)
-      if (r != CellAxis::none)
-        for_columns(column(cell), [&](int first, int last) {
-          for (int c = first; c <= last; ++c)
-            visit(index(r, c));
-        });
+    if constexpr (periodic) {
+      int const rows[3] = {y.before(row(cell)), row(cell), y.after(row(cell))};
+      for (int const r : rows)
+        if (r != CellAxis::none)
+          for_columns(column(cell), [&](int first, int last) {
+            for (int c = first; c <= last; ++c)
+              visit(index(r, c));
+          });
+    } else {
+      for (int middle = cell - stride(); middle <= cell + stride(); middle += stride())
+        for (int c = middle - 1; c <= middle + 1; ++c)
+          visit(c);
+    }
   }
 
   /// Calls visit(first, last) for blocks of cells first...last, contiguous in number, which
@@ -394,13 +401,21 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
         unsorted_cell(i) = c;
         rank(i) = fetch_add<Space>(start(c), 1);
       });
+  // In blocks, whose sums stay in a register.
+  constexpr int block = block_on_host<Space, 64>;
+  int const counts = cells.count() + 1;
   scan(
-      "ricochet::scan_cells", space, cells.count() + 1,
-      KOKKOS_LAMBDA(int c, int& before, bool final) {
-        int const here = start(c);
-        if (final)
-          start(c) = before;
-        before += here;
+      "ricochet::scan_cells", space, blocks_of(block, counts),
+      KOKKOS_LAMBDA(int b, int& before, bool final) {
+        int const first = b * block, last = first + block < counts ? first + block : counts;
+        int sum = before;
+        for (int c = first; c < last; ++c) {
+          int const here = start(c);
+          if (final)
+            start(c) = sum;
+          sum += here;
+        }
+        before = sum;
       });
   if (inside == Inside::by_id) {
     auto const order = cell_; // not needed yet

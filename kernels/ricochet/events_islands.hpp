@@ -109,7 +109,7 @@ struct IslandMemory {
       forest(n),
       member("ricochet::members", room),
       island(uninitialised<List<int>>("ricochet::island", room)),
-      chains(room, room),
+      chains(room),
       tallies("ricochet::island_tally", room),
       heap(uninitialised<List<int>>("ricochet::heap_of_events", room)),
       place_in_heap(uninitialised<List<int>>("ricochet::place_in_heap", room)),

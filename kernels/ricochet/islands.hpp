@@ -56,39 +56,38 @@ void reset_all(Space const& space, Forest<Space> const& forest, int nodes)
       KOKKOS_LAMBDA(int node) { forest.reset(node); });
 }
 
-/// Lists of slots, one a node, that any number of threads may append to.
+/// Lists of some of the numbers 0...n - 1, one for each of these, that any number of threads may
+/// append to. No number is in more than one list.
 template <class Space>
 struct Chains {
   using Ints = Kokkos::View<int*, Space>;
   static constexpr int none = -1;
 
-  Ints first; ///< of each node's list, or none
-  Ints next;  ///< after each slot in its list, or none
+  Ints first; ///< of each list, or none
+  Ints next;  ///< after each number in its list, or none
 
   Chains() = default;
-  Chains(int nodes, int slots)
-    : first(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::first_in_chain"), nodes),
-      next(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::next_in_chain"), slots)
+  explicit Chains(int n)
+    : first(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::first_in_chain"), n),
+      next(Kokkos::view_alloc(Kokkos::WithoutInitializing, "ricochet::next_in_chain"), n)
   {
   }
 
-  KOKKOS_INLINE_FUNCTION void reset(int node) const { first(node) = none; }
+  KOKKOS_INLINE_FUNCTION void reset(int list) const { first(list) = none; }
 
-  /// Returns whether the list was empty before. No thread may read the list of `node` meanwhile.
-  KOKKOS_INLINE_FUNCTION bool append(int node, int slot) const
+  /// No thread may read the list meanwhile.
+  KOKKOS_INLINE_FUNCTION void append(int list, int k) const
   {
-    next(slot) = exchange<Space>(first(node), slot);
-    return next(slot) == none;
+    next(k) = exchange<Space>(first(list), k);
   }
 
-  /// Calls visit(slot) for each slot of the list of `node`; it may append that slot to another
-  /// list.
+  /// Calls visit(k) for each number of a list; it may append that number to another list.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each(int node, Visit const& visit) const
+  KOKKOS_INLINE_FUNCTION void for_each(int list, Visit const& visit) const
   {
-    for (int slot = first(node), after = none; slot != none; slot = after) {
-      after = next(slot);
-      visit(slot);
+    for (int k = first(list), after = none; k != none; k = after) {
+      after = next(k);
+      visit(k);
     }
   }
 };

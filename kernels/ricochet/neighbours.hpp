@@ -30,17 +30,20 @@ class Neighbours {
   }
 
   /// Calls visit(slot, separation) for every disc stored in or next to `cell` whose centre is
-  /// closer to `p` than the root of `reach2` and whose id is above `above`; a disc at `p` may be
-  /// one of them.
+  /// closer to `p` than the root of `reach2`; a disc at `p` may be one of them.
   template <class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_around(int cell, Vec2<Real> p, Real reach2, int above,
+  KOKKOS_INLINE_FUNCTION void for_each_around(int cell, Vec2<Real> p, Real reach2,
                                               Visit const& visit) const
   {
-    with_ends(cell, [&](auto const& ends) {
-      cells_.template for_runs_around<std::decay_t<decltype(ends)>::wraps>(
-          cell,
-          [&](Runs const& runs) { for_each_in<3, true>(ends, runs, p, reach2, above, visit); });
-    });
+    for_each_around<false>(cell, p, reach2, 0, visit);
+  }
+
+  /// The same for those of them whose id is above `above`.
+  template <class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_around_above(int cell, Vec2<Real> p, Real reach2, int above,
+                                                    Visit const& visit) const
+  {
+    for_each_around<true>(cell, p, reach2, above, visit);
   }
 
   /// The same for pairs: over all slots it visits every two discs that are stored in the same cell
@@ -109,6 +112,17 @@ class Neighbours {
     domain_.with_ends(!periodic || cells_.is_inner(cell, 2), use);
   }
 
+  template <bool by_id, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_around(int cell, Vec2<Real> p, Real reach2, int above,
+                                              Visit const& visit) const
+  {
+    with_ends(cell, [&](auto const& ends) {
+      cells_.template for_runs_around<std::decay_t<decltype(ends)>::wraps>(
+          cell,
+          [&](Runs const& runs) { for_each_in<3, by_id>(ends, runs, p, reach2, above, visit); });
+    });
+  }
+
   /// Calls visit(runs) so that together the runs are the slots from `from` on of all cells with a
   /// point closer than `reach` to `p`.
   template <bool across_ends, class Visit>
@@ -133,7 +147,8 @@ class Neighbours {
     visit(runs);
   }
 
-  /// Visits those of the first `rows` runs, 2 or 3, that are near `p`.
+  /// Visits those of the first `rows` runs, 2 or 3, that are near `p`; by id where discs are
+  /// crowded, for the loop in order.
   template <int rows, bool by_id, class Ends, class Visit>
   KOKKOS_INLINE_FUNCTION void for_each_in(Ends const& ends, Runs const& runs, Vec2<Real> p,
                                           Real reach2, int above, Visit const& visit) const
@@ -150,11 +165,14 @@ class Neighbours {
       else
         return close;
     };
-    for_each_that<rows>(runs, near, [&](int k) { visit(k, domain.separation(p, {x[k], y[k]})); });
+    for_each_that<rows, by_id>(runs, near, [&](int k) {
+      visit(k, domain.separation(p, {x[k], y[k]}));
+    });
   }
 
-  /// Visits those of the first `rows` runs, 2 or 3, that pass a test.
-  template <int rows, class Test, class Visit>
+  /// Visits those of the first `rows` runs, 2 or 3, that pass a test. `crowded`: whether runs
+  /// longer than a search reads at once are the rule.
+  template <int rows, bool crowded = false, class Test, class Visit>
   KOKKOS_INLINE_FUNCTION void for_each_that(Runs const& runs, Test const test,
                                             Visit const& visit) const
   {
@@ -178,11 +196,33 @@ class Neighbours {
       hits &= hits - 1;
       visit(runs.begin[bit / width] + bit % width);
     }
-    if (size_0 > width || size_1 > width || size_2 > width)
-      for (int row = 0; row < rows; ++row)
-        for (int k = runs.begin[row] + width; k < runs.end[row]; ++k)
-          if (test(k))
-            visit(k);
+    if (size_0 <= width && size_1 <= width && size_2 <= width)
+      return;
+    for (int row = 0; row < rows; ++row)
+      for_each_from<crowded>(runs.begin[row] + width, runs.end[row], test, visit);
+  }
+
+  /// Visits those of the slots begin...end - 1 that pass a test.
+  template <bool crowded, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_from(int begin, int end, Test const test,
+                                            Visit const& visit) const
+  {
+    if constexpr (crowded) {
+      constexpr int width = Discs<Space, Real>::padding;
+      for (; begin < end; begin += width) {
+        int const size = end - begin;
+        unsigned hits = 0;
+#pragma omp simd reduction(| : hits)
+        for (int lane = 0; lane < width; ++lane)
+          hits |= (test(begin + lane) & (lane < size)) ? 1u << lane : 0u;
+        for (; hits != 0; hits &= hits - 1)
+          visit(begin + lowest_bit(hits));
+      }
+    } else {
+      for (; begin < end; ++begin)
+        if (test(begin))
+          visit(begin);
+    }
   }
 
   Discs<Space, Real> discs_;

@@ -32,7 +32,7 @@ struct LastPartnerWins {
     PairVelocity<Real> before{v, v}, after{v, v};
     Vec2<Real> separation{0, 0};
     Real const reach2 = state.diameter * state.diameter;
-    neighbours.for_each_around(state.cell(i), p, reach2, -1, [&](int k, Vec2<Real> d) {
+    neighbours.for_each_around(state.cell(i), p, reach2, [&](int k, Vec2<Real> d) {
       if (k == i)
         return;
       Real const distance = sqrt(dot(d, d));

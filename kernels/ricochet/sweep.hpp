@@ -7,10 +7,10 @@
 //
 // Here the loop runs in parallel, with every bit of the result:
 //  1. Discs that overlap are united to islands.
-//  2. Each island is executed as the original would, alone.
+//  2. Each island is executed as the original would, alone, on copies of its discs.
 //  3. What was pushed is compared with its surroundings, at the time of each pair's row. Islands
-//     that met are united, taken back and executed again, until none meets another. Then every pair
-//     has had its turn: inside an island in order, and between islands none overlapped in its turn.
+//     that met are united, and executed again, until none meets another. Then every pair has had
+//     its turn: inside an island in order, and between islands none overlapped in its turn.
 // Islands too large for one work item are a crowd, executed by one thread; where the crowd holds
 // too many of the discs, one thread executes the loop as it is written. On a device, where one
 // thread is slow, rounds of pairs take the place of both.
@@ -21,7 +21,6 @@
 #include "ricochet/sweep_rounds.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace ricochet {
 
@@ -32,10 +31,9 @@ class OrderedPairs {
   OrderedPairs(CellGrid<Space, Real> const& grid, double diameter, Execution execution, int discs)
     : execution_(execution),
       strays_(grid),
-      // So that most searches keep to the cells around.
-      islands_(discs, (grid.cells().side() - diameter) / 2),
-      tally_("ricochet::tally", discs),
-      takes_part_("ricochet::takes_part", discs),
+      // Few discs of a gas are pushed as far, and look around again in each pass; all that are
+      // executed again look as far.
+      participants_(discs, diameter / 2),
       part_("ricochet::part_of_pair_books")
   {
   }
@@ -60,20 +58,13 @@ class OrderedPairs {
   }
 
  private:
-  /// Where a crowd is more than this part of the discs, or as many must be verified again, one
+  /// Where a crowd is more than this part of the discs, or as many must be executed again, one
   /// thread is done sooner in order; and where it takes more passes than this. To execute a crowd
   /// costs about as much as to verify a tenth of the discs.
   static constexpr int worthwhile_part = 4, most_passes = 12, crowd_part = 10;
   /// After a step that was not worth it, islands are left alone for a while, twice as long each
   /// time.
   static constexpr int longest_pause = 32;
-  static constexpr int too_much = std::numeric_limits<int>::max();
-
-  static bool is_too_much(int pass, int again, int crowd, int discs)
-  {
-    return pass > most_passes || again > discs / worthwhile_part ||
-           crowd > (shares_host_memory<Space> ? discs / worthwhile_part : 0);
-  }
 
   bool by_islands() const
   {
@@ -85,39 +76,41 @@ class OrderedPairs {
            (execution_ == Execution::automatic && !shares_host_memory<Space>);
   }
 
+  /// Larger islands are for the crowd.
+  int largest_island() const { return execution_ == Execution::crowd ? 1 : island_limit; }
+
+  bool is_too_much(int pass, int crowd, int discs) const
+  {
+    return pass > most_passes || again_ > discs / worthwhile_part ||
+           crowd > (shares_host_memory<Space> ? discs / worthwhile_part : 0);
+  }
+
  public: // nvcc takes device lambdas only from public functions
-  template <bool periodic>
-  int find_islands(Space const& space, PairState<Space, Real, periodic> const& state);
   template <class LawType, bool periodic>
-  int resolve_islands(Space const& space,
-                      OrderedContact<Space, Real, LawType, periodic> const& contact);
+  int resolve_islands(Space const& space, PairState<Space, Real, periodic> const& state,
+                      LawType const& law);
   template <class LawType, bool periodic>
-  bool resolve_rounds(Space const& space,
-                      OrderedContact<Space, Real, LawType, periodic> const& contact);
+  int resolve_in_order(Space const& space, PairState<Space, Real, periodic> const& state,
+                       LawType const& law);
   template <class LawType, bool periodic>
-  void execute_islands(Space const& space,
-                       OrderedContact<Space, Real, LawType, periodic> const& contact, int islands);
+  typename Participants<Space, Real>::Counts
+  execute_islands(Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
+                  int begin, int end);
   template <class LawType, bool periodic>
   void execute_crowd(Space const& space,
-                     OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd);
-  template <bool periodic>
-  int verify(Space const& space, PairState<Space, Real, periodic> const& state, int islands,
-             int crowd, bool all);
-  void take_back(Space const& space, int wrong);
-  void take_all_back(Space const& space, int discs);
+                     OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd,
+                     int begin, int end);
   template <class LawType, bool periodic>
-  void resolve_in_order(Space const& space,
-                        OrderedContact<Space, Real, LawType, periodic> const& contact,
-                        bool everyone);
+  void execute_in_order(Space const& space,
+                        OrderedContact<Space, Real, LawType, periodic> const& contact, int island);
 
  private:
   Execution execution_;
   Strays<Space> strays_;
-  Islands<Space> islands_;
-  Kokkos::View<Tally*, Space> tally_;     ///< all zero between steps
-  Kokkos::View<char*, Space> takes_part_; ///< and this too
+  Participants<Space, Real> participants_;
   Rounds<Space, Real> rounds_;
   BooksView<Space> part_;
+  int again_ = 0; ///< discs executed again, or verified again, in this step
   int pause_ = 0, steps_to_pause_ = 0;
   ExecutionCounts executions_;
 };
@@ -128,224 +121,164 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
                                         PairState<Space, Real, periodic> const& state,
                                         LawType const& law)
 {
-  OrderedContact<Space, Real, LawType, periodic> const contact{state, tally_, takes_part_, law};
-  Range<Space> const all(space, 0, state.discs.count());
-  auto const islands = islands_;
-  Kokkos::parallel_for(
-      "ricochet::reset_counts", Range<Space>(space, 0, 1),
-      KOKKOS_LAMBDA(int) { islands.reset_counts(); });
-  bool done = false;
+  int end = not_done; // of the numbers of those that took part
   if (steps_to_pause_ > 0) {
     --steps_to_pause_;
   } else if (by_islands()) {
-    int const again = resolve_islands(space, contact);
-    done = again != too_much;
-    if (!done)
-      take_all_back(space, state.discs.count());
-    bool const paid =
-        execution_ != Execution::automatic || again <= state.discs.count() / worthwhile_part;
+    end = resolve_islands(space, state, law);
+    bool const paid = execution_ != Execution::automatic ||
+                      (end != not_done && again_ <= state.discs.count() / worthwhile_part);
     pause_ = paid ? 0 : std::min(std::max(2 * pause_, 1), longest_pause);
     steps_to_pause_ = pause_;
   }
-  if (!done && by_rounds()) {
-    done = resolve_rounds(space, contact);
-    if (!done)
-      take_all_back(space, state.discs.count());
+  if (end == not_done && by_rounds()) {
+    end = rounds_.resolve(space, state, law, participants_, execution_ == Execution::rounds);
+    executions_.rounds += end != not_done ? 1 : 0;
   }
-  if (!done)
-    resolve_in_order(space, contact, true);
-  Kokkos::parallel_reduce("ricochet::conclude", all,
-                          Conclude<Space, Real, LawType, periodic>{contact, islands_},
+  if (end == not_done)
+    end = resolve_in_order(space, state, law);
+  Kokkos::parallel_reduce("ricochet::conclude", Range<Space>(space, 0, end),
+                          Conclude<Space, Real, LawType, periodic>{{state, participants_, law}},
                           Merge<Books, Space>(part_));
   enter<Space>(space, state.books, part_);
 }
 
-/// Resolves all contacts by islands. Returns how many discs had to be verified again, or
-/// `too_much`, with the state half done, where islands do not pay.
+/// Resolves all contacts by islands. Returns how many numbers were given, or `not_done` where
+/// islands do not pay; nobody takes part then.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-int OrderedPairs<Space, Real>::resolve_islands(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact)
+int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
+                                               PairState<Space, Real, periodic> const& state,
+                                               LawType const& law)
 {
-  auto const& state = contact.state;
   int const n = state.discs.count();
-  int islands = find_islands(space, state);
-  int crowd = 0; // as it was last executed
-  int again = 0;
-  typename Islands<Space>::Counts found;
-  for (int pass = 1; islands > 0 || found.crowd_wrong != 0; ++pass) {
-    execute_islands(space, contact, islands);
-    bool const crowd_was_wrong = found.crowd_wrong != 0;
-    found = value_after(space, islands_.counts);
-    if (execution_ == Execution::automatic && is_too_much(pass, again, found.crowd, n))
-      return too_much;
-    int crowd_to_verify = 0;
-    if (crowd_was_wrong || found.crowd > crowd) {
-      crowd_to_verify = crowd = found.crowd;
-      execute_crowd(space, contact, crowd);
-      again += n / crowd_part;
-    }
-    int const verified = verify(space, state, islands, crowd_to_verify, pass == 1);
-    again += pass == 1 ? 0 : verified;
-    found = value_after(space, islands_.counts);
-    islands = found.wrong;
-    take_back(space, islands);
-  }
-  ++(crowd > 0 ? executions_.crowd : executions_.islands);
-  return again;
-}
-
-/// Unites discs that overlap, and lists the islands of more than one disc. Returns their number.
-template <class Space, class Real>
-template <bool periodic>
-int OrderedPairs<Space, Real>::find_islands(Space const& space,
-                                            PairState<Space, Real, periodic> const& state)
-{
-  auto const islands = islands_;
-  int const n = state.discs.count();
+  participants_.reset_counts(space);
   Kokkos::parallel_for("ricochet::unite_overlapping", Range<Space>(space, 0, n),
-                       FindOverlapping<Space, Real, periodic, UnitePairs<Space>>{
-                           state, state.neighbours(), {islands.forest}});
-  Kokkos::parallel_for(
-      "ricochet::join_islands", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
-        int const node = Islands<Space>::node(slot), root = islands.forest.root(node);
-        if (root != node)
-          islands.join(root, slot);
-      });
-  return value_after(space, islands.counts).found;
+                       FindOverlapping<Space, Real, periodic, UniteOverlapping<Space>>{
+                           state, state.neighbours(), {participants_.forest, participants_.calls}});
+  again_ = 0;
+  bool any_crowd = false;
+  int begin = 0, end = 0; // of the numbers of a pass
+  for (int pass = 1;; ++pass) {
+    end = begin + participants_.list_called(space, pass);
+    if (end == begin)
+      break;
+    if (end > participants_.room()) {
+      participants_.dissolve(space);
+      participants_.need_room(end + end / 4);
+      return resolve_islands(space, state, law);
+    }
+    OrderedContact<Space, Real, LawType, periodic> const contact{state, participants_, law};
+    auto const& participants = contact.participants;
+    participants.begin_listed(space, state, begin, end);
+    auto counts = execute_islands(space, contact, begin, end);
+    if (execution_ == Execution::automatic && is_too_much(pass, counts.crowd, n)) {
+      participants.dissolve(space);
+      return not_done;
+    }
+    if (counts.crowd > 0) {
+      execute_crowd(space, contact, counts.crowd_island, begin, end);
+      counts = value_after(space, participants.counts);
+      any_crowd = true;
+      again_ += n / crowd_part;
+    }
+    again_ += pass == 1 ? 0 : end - begin + counts.far;
+    verify(space, state, participants, UniteIslands<Space, Real>{participants, pass}, pass, begin,
+           end, counts.far);
+    begin = end;
+  }
+  ++(any_crowd ? executions_.crowd : executions_.islands);
+  return end;
 }
 
-/// Executes the islands of the list.
+/// Puts those who begin a pass into their islands, and executes these, but for the crowd.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-void OrderedPairs<Space, Real>::execute_islands(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int islands)
+typename Participants<Space, Real>::Counts OrderedPairs<Space, Real>::execute_islands(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int begin,
+    int end)
 {
-  int const largest = execution_ == Execution::crowd ? 1 : island_limit;
-  Kokkos::parallel_for("ricochet::execute_islands", Range<Space>(space, 0, islands),
-                       ExecuteIsland<Space, Real, LawType, periodic>{contact, islands_, largest});
+  auto const participants = contact.participants;
+  Kokkos::parallel_for(
+      "ricochet::join_islands", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int k) {
+        int const root = participants.number(participants.forest.root(participants(k).slot));
+        participants(k).island = root;
+        participants.chains.append(root, k);
+      });
+  Kokkos::parallel_for("ricochet::execute_islands", Range<Space>(space, begin, end),
+                       ExecuteIsland<Space, Real, LawType, periodic>{contact, largest_island()});
+  return value_after(space, participants.counts);
 }
 
-/// Executes the crowd, from the start.
+/// Makes the islands that are too large one, the crowd, and executes it.
 template <class Space, class Real>
 template <class LawType, bool periodic>
 void OrderedPairs<Space, Real>::execute_crowd(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd)
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int crowd,
+    int begin, int end)
 {
-  auto const islands = islands_;
-  TakeBack<Space> const take_back{tally_, islands.pushes};
+  ProfilingRegion const region("ricochet::execute_crowd");
+  auto const participants = contact.participants;
+  auto const spare = contact.state.spare;
+  int const largest = largest_island();
   Kokkos::parallel_for(
-      "ricochet::start_crowd", Range<Space>(space, 0, crowd), KOKKOS_LAMBDA(int k) {
-        take_back(islands.crowd(k));
-        contact.take(islands.crowd(k));
-      });
-  resolve_in_order(space, contact, false);
-}
-
-/// Verifies what was executed in this pass. Returns of how many discs that was.
-template <class Space, class Real>
-template <bool periodic>
-int OrderedPairs<Space, Real>::verify(Space const& space,
-                                      PairState<Space, Real, periodic> const& state, int islands,
-                                      int crowd, bool all)
-{
-  Verify<Space, Real, periodic, UniteIslands<Space>> const verify{
-      state, state.neighbours(), islands_.pushes, {islands_}, all};
-  auto const all_islands = islands_;
-  int const far = all ? 0 : value_after(space, islands_.pushes.far_count);
-  int in_islands = 0;
-  Kokkos::parallel_for(
-      "ricochet::forget_wrong_islands", Range<Space>(space, 0, 1),
-      KOKKOS_LAMBDA(int) { all_islands.forget_wrong(); });
-  Kokkos::parallel_reduce(
-      "ricochet::verify_islands", Range<Space>(space, 0, islands),
-      KOKKOS_LAMBDA(int k, int& verified) {
-        int const root = all_islands.list(k);
-        if (all_islands.of_disc(root - 1) != root)
-          return; // it was executed as part of another
-        all_islands.for_members(root, [&](int slot) {
-          verify(slot);
-          ++verified;
-        });
-      },
-      in_islands);
-  Kokkos::parallel_for(
-      "ricochet::verify_crowd", Range<Space>(space, 0, crowd),
-      VerifyListed<Space, Real, periodic, UniteIslands<Space>>{verify, islands_.crowd});
-  Kokkos::parallel_for("ricochet::verify_far", Range<Space>(space, 0, far),
-                       VerifyFar<Space, Real, periodic, UniteIslands<Space>>{verify});
-  return in_islands + crowd + far;
-}
-
-/// Takes back what was done to the islands that were found wrong, and makes them the list.
-template <class Space, class Real>
-void OrderedPairs<Space, Real>::take_back(Space const& space, int wrong)
-{
-  if (wrong == 0)
-    return;
-  std::swap(islands_.list, islands_.wrong);
-  auto const islands = islands_;
-  TakeBack<Space> const take_back{tally_, islands.pushes};
-  Kokkos::parallel_for(
-      "ricochet::take_back_islands", Range<Space>(space, 0, wrong), KOKKOS_LAMBDA(int k) {
-        int const node = islands.list(k), root = islands.forest.root(node);
-        islands.for_members(node, [&](int slot) {
-          take_back(slot);
-          islands.of_disc(slot) = root;
+      "ricochet::join_crowd", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int root) {
+        if (root == crowd || participants(root).island != root ||
+            participants.island_size(root) <= largest)
+          return;
+        participants.forest.unite(participants(root).slot, participants(crowd).slot);
+        participants.chains.for_each(root, [&](int k) {
+          participants(k).island = crowd;
+          participants.chains.append(crowd, k);
         });
       });
   Kokkos::parallel_for(
-      "ricochet::merge_islands", Range<Space>(space, 0, wrong), KOKKOS_LAMBDA(int k) {
-        int const node = islands.list(k), root = islands.forest.root(node);
-        if (root != node)
-          islands.for_members(node, [&](int slot) { islands.add_member(root, slot); });
+      "ricochet::begin_crowd", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int k) {
+        if (participants(k).island == crowd)
+          spare.set_position(participants(k).slot, participants(k).position);
       });
+  execute_in_order(space, contact, crowd);
+  Kokkos::parallel_for(
+      "ricochet::forget_crowd", Range<Space>(space, 0, 1),
+      KOKKOS_LAMBDA(int) { participants.forget_crowd(); });
 }
 
-/// Takes back everything that was done in this step.
-template <class Space, class Real>
-void OrderedPairs<Space, Real>::take_all_back(Space const& space, int discs)
-{
-  Kokkos::parallel_for("ricochet::take_all_back", Range<Space>(space, 0, discs),
-                       TakeBack<Space>{tally_, islands_.pushes});
-}
-
-/// Resolves all contacts in rounds. Returns false, with the state half done, where that does not
-/// pay.
+/// Executes the loop as it is written. Returns how many numbers were given: one to each disc.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-bool OrderedPairs<Space, Real>::resolve_rounds(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact)
+int OrderedPairs<Space, Real>::resolve_in_order(Space const& space,
+                                                PairState<Space, Real, periodic> const& state,
+                                                LawType const& law)
 {
-  bool const any_number = execution_ == Execution::rounds;
-  bool const done = rounds_.resolve(space, contact, islands_,
-                                    any_number ? std::numeric_limits<int>::max() : most_passes);
-  executions_.rounds += done ? 1 : 0;
-  return done;
+  int const n = state.discs.count();
+  participants_.need_room(n);
+  OrderedContact<Space, Real, LawType, periodic> const contact{state, participants_, law};
+  auto const participants = contact.participants;
+  Kokkos::parallel_for(
+      "ricochet::begin_all", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
+        participants.begin(state, slot, slot);
+        state.spare.set_position(slot, state.discs.position(slot));
+      });
+  using Resolve = ResolveInOrder<Space, Real, LawType, periodic>;
+  execute_in_order(space, contact, Resolve::everyone);
+  ++executions_.in_order;
+  return n;
 }
 
-/// Executes the loop as it is written, for everyone or for the crowd.
+/// Executes the loop as it is written, for everyone or for an island.
 template <class Space, class Real>
 template <class LawType, bool periodic>
-void OrderedPairs<Space, Real>::resolve_in_order(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
-    bool everyone)
+void OrderedPairs<Space, Real>::execute_in_order(
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int island)
 {
-  if (everyone) {
-    ++executions_.in_order;
-    Kokkos::parallel_for(
-        "ricochet::start_everyone", Range<Space>(space, 0, contact.state.discs.count()),
-        KOKKOS_LAMBDA(int slot) { contact.take(slot); });
-  }
   strays_.clear(space);
   auto const id = contact.state.discs.id;
   auto const slot_of_id = strays_.slot_of_id;
   Kokkos::parallel_for(
       "ricochet::find_ids", Range<Space>(space, 0, contact.state.discs.count()),
       KOKKOS_LAMBDA(int slot) { slot_of_id(id(slot)) = slot; });
-  Kokkos::parallel_for(
-      "ricochet::resolve_in_order", Range<Space>(space, 0, 1),
-      ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, islands_, everyone));
+  Kokkos::parallel_for("ricochet::resolve_in_order", Range<Space>(space, 0, 1),
+                       ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, island));
 }
 
 } // namespace ricochet

@@ -63,19 +63,21 @@ struct Strays {
   }
 };
 
-/// All rows in order. A disc's row looks for its partners once: no pair of the row moves the disc,
-/// or another of its partners, before that partner's turn.
+/// All rows in order, of the discs that take part. A disc's row looks for its partners once: no
+/// pair of the row moves the disc, or another of its partners, before that partner's turn. The
+/// places of all who take part are kept in the spare memory too, where they are found.
 template <class Space, class Real, class LawType, bool periodic>
 class ResolveInOrder {
  public:
-  /// `everyone`, or only the crowd of `islands`, whose pushes are noted.
+  static constexpr int everyone = -1;
+
+  /// The discs of an island, whose pushes are noted; or `everyone`.
   ResolveInOrder(OrderedContact<Space, Real, LawType, periodic> const& contact,
-                 Strays<Space> const& strays, Islands<Space> const& islands, bool everyone)
+                 Strays<Space> const& strays, int island)
     : contact_(contact),
       neighbours_(contact.state.neighbours_among(contact.state.spare)),
       strays_(strays),
-      islands_(islands),
-      everyone_(everyone)
+      island_(island)
   {
     auto const& state = contact.state;
     double const reach = neighbours_.margin(static_cast<double>(state.diameter));
@@ -119,20 +121,26 @@ class ResolveInOrder {
 
   KOKKOS_INLINE_FUNCTION bool takes_part(int slot) const
   {
-    return everyone_ || islands_.of_disc(slot) == 0;
+    if (island_ == everyone)
+      return true;
+    int const k = contact_.participants.number(slot);
+    return k >= 0 && contact_.participants(k).island == island_;
   }
 
-  KOKKOS_INLINE_FUNCTION void resolve_row(int id, int i) const
+  KOKKOS_INLINE_FUNCTION void resolve_row(int id, int slot) const
   {
+    auto const& participants = contact_.participants;
+    auto& i = participants(participants.number(slot));
     int done = id;
     for (bool more = true; more;) {
       Batch batch;
-      for_partners(i, done, [&](int k) { batch.insert(contact_.state.discs.id(k), k); });
+      for_partners(slot, done, [&](int k) { batch.insert(contact_.state.discs.id(k), k); });
       for (int k = 0; k < batch.size; ++k) {
-        Real const push = contact_(i, batch.slot[k]);
-        if (!everyone_)
-          islands_.pushes.add(batch.slot[k], id, static_cast<double>(push));
-        follow(batch.slot[k]);
+        int const j = participants.number(batch.slot[k]);
+        Real const push = contact_(i, participants(j));
+        if (island_ != everyone)
+          participants.note_push(j, id, static_cast<double>(push));
+        follow(batch.slot[k], participants(j).position);
       }
       more = batch.size == Batch::capacity;
       done = more ? batch.id[batch.size - 1] : done;
@@ -147,7 +155,7 @@ class ResolveInOrder {
     auto const p = state.spare.position(i);
     Real const reach2 = state.diameter * state.diameter;
     int const cell = state.cells.at(p);
-    neighbours_.for_each_around(cell, p, reach2, above, [&](int k, Vec2<Real>) {
+    neighbours_.for_each_around_above(cell, p, reach2, above, [&](int k, Vec2<Real>) {
       if (takes_part(k) && !strays_.is_astray(k))
         visit(k);
     });
@@ -163,10 +171,10 @@ class ResolveInOrder {
   }
 
   /// Sees to it that disc `j`, which was pushed, will be found where it is.
-  KOKKOS_INLINE_FUNCTION void follow(int j) const
+  KOKKOS_INLINE_FUNCTION void follow(int j, Vec2<Real> p) const
   {
+    contact_.state.spare.set_position(j, p);
     auto const& cells = contact_.state.cells;
-    auto const p = contact_.state.spare.position(j);
     int const now = cells.at(p), stored = contact_.state.cell(j);
     bool const astray = strays_.is_astray(j);
     if (now == stored && !astray)
@@ -179,8 +187,7 @@ class ResolveInOrder {
   OrderedContact<Space, Real, LawType, periodic> contact_;
   Neighbours<Space, Real, periodic> neighbours_; ///< where they are now
   Strays<Space> strays_;
-  Islands<Space> islands_;
-  bool everyone_;
+  int island_;
   double slack_x_, slack_y_; ///< how far from its cell a disc is found there [cells]
 };
 

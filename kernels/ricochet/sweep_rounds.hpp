@@ -29,7 +29,7 @@ struct PairLists {
   Ints begin, end;
   Ints next;      ///< of each disc, entry of the partner whose turn it is
   Ints points_at; ///< that partner as of this round, or none
-  Ints members;
+  Ints is_new;    ///< whether a disc is the root of an island with new pairs
   Ints active[2];
   Kokkos::View<Counts, Space> counts;
 
@@ -39,7 +39,7 @@ struct PairLists {
       end(uninitialised<Ints>("ricochet::partners_end", discs)),
       next(uninitialised<Ints>("ricochet::next_partner", discs)),
       points_at(uninitialised<Ints>("ricochet::points_at", discs)),
-      members(uninitialised<Ints>("ricochet::members", discs)),
+      is_new(uninitialised<Ints>("ricochet::has_new_pairs", discs)),
       active{uninitialised<Ints>("ricochet::active", discs),
              uninitialised<Ints>("ricochet::still_active", discs)},
       counts("ricochet::pair_counts")
@@ -114,7 +114,6 @@ template <class Space, class Real, class LawType, bool periodic>
 struct RespondMutually {
   OrderedContact<Space, Real, LawType, periodic> contact;
   PairLists<Space> lists;
-  PushLog<Space> pushes;
   int from;
 
   KOKKOS_INLINE_FUNCTION void operator()(int k) const
@@ -122,14 +121,17 @@ struct RespondMutually {
     if (k >= lists.counts().active[from])
       return;
     auto const& state = contact.state;
-    int const i = lists.active[from](k), j = lists.points_at(i);
-    if (lists.points_at(j) != i || state.discs.id(j) < state.discs.id(i))
+    auto const& participants = contact.participants;
+    int const a = lists.active[from](k), b = lists.points_at(a);
+    if (lists.points_at(b) != a || state.discs.id(b) < state.discs.id(a))
       return;
-    ++lists.next(i);
-    ++lists.next(j);
-    auto const d = state.domain.separation(state.spare.position(i), state.spare.position(j));
+    ++lists.next(a);
+    ++lists.next(b);
+    int const second = participants.number(b);
+    auto &i = participants(participants.number(a)), &j = participants(second);
+    auto const d = state.domain.separation(i.position, j.position);
     if (dot(d, d) < state.diameter * state.diameter)
-      pushes.add(j, state.discs.id(i), static_cast<double>(contact(i, j)));
+      participants.note_push(second, i.id, static_cast<double>(contact(i, j)));
   }
 };
 
@@ -165,10 +167,14 @@ struct ListPairs {
   PairLists<Space> lists;
   Forest<Space> forest;
 
-  KOKKOS_INLINE_FUNCTION bool apart(int j, int k) const { return lists.apart(j, k); }
+  template <class Real>
+  KOKKOS_INLINE_FUNCTION bool apart(Participant<Real> const& j, int k) const
+  {
+    return lists.apart(j.slot, k);
+  }
   KOKKOS_INLINE_FUNCTION void note(int j, int k) const
   {
-    forest.unite(Islands<Space>::node(j), Islands<Space>::node(k));
+    forest.unite(j, k);
     lists.add(j, k);
   }
 };
@@ -177,11 +183,11 @@ struct ListPairs {
 template <class Space, class Real>
 class Rounds {
  public:
-  /// Resolves all contacts. Returns false, with the state half done, if that takes more than
-  /// `most_passes`, or memory out of proportion.
+  /// Resolves all contacts. Returns how many numbers were given, or `not_done`, with nobody taking
+  /// part, if that takes memory out of proportion; or many passes, unless `at_any_cost`.
   template <class LawType, bool periodic>
-  bool resolve(Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
-               Islands<Space> const& islands, int most_passes);
+  int resolve(Space const& space, PairState<Space, Real, periodic> const& state, LawType const& law,
+              Participants<Space, Real>& participants, bool at_any_cost);
 
  private:
   /// Rounds by all threads, an even number; then one team finishes. So many see to 99 % of the
@@ -189,19 +195,19 @@ class Rounds {
   static constexpr int rounds_by_all = 8;
   /// A state with more pairs a disc than this is not for rounds.
   static constexpr int most_pairs = 16;
+  /// Nor is one that takes more passes, or executes each disc more often.
+  static constexpr int most_passes = 12, most_numbers = 4;
 
  public: // nvcc takes device lambdas only from public functions
   template <class Find>
   int find_pairs(Space const& space, int discs, int known, Find const& find);
   void forget_pairs(Space const& space, int but);
   void list_partners(Space const& space, typename PairLists<Space>::Ints const& id, int pairs);
-  template <class LawType, bool periodic>
-  int start_members(Space const& space,
-                    OrderedContact<Space, Real, LawType, periodic> const& contact,
-                    Islands<Space> const& islands, int first_pair, int pairs);
+  void call_up_islands(Space const& space, Participants<Space, Real> const& participants, int pass,
+                       int first_pair, int pairs);
   template <class LawType, bool periodic>
   void execute(Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
-               Islands<Space> const& islands, int members);
+               int begin, int end);
 
  private:
   PairLists<Space> lists_;
@@ -209,40 +215,48 @@ class Rounds {
 
 template <class Space, class Real>
 template <class LawType, bool periodic>
-bool Rounds<Space, Real>::resolve(Space const& space,
-                                  OrderedContact<Space, Real, LawType, periodic> const& contact,
-                                  Islands<Space> const& islands, int most_passes)
+int Rounds<Space, Real>::resolve(Space const& space, PairState<Space, Real, periodic> const& state,
+                                 LawType const& law, Participants<Space, Real>& participants,
+                                 bool at_any_cost)
 {
-  auto const& state = contact.state;
   int const n = state.discs.count();
   if (lists_.begin.extent(0) == 0)
     lists_ = PairLists<Space>(n);
-  auto const neighbours = state.neighbours();
-  int known = 0; // pairs that have had their turn
+  participants.reset_counts(space);
+  int begin = 0, end = 0; // of the numbers of a pass
+  int known = 0;          // pairs that have had their turn
   int found = find_pairs(space, n, 0, [&] {
     Kokkos::parallel_for("ricochet::list_overlapping", Range<Space>(space, 0, n),
                          FindOverlapping<Space, Real, periodic, ListPairs<Space>>{
-                             state, neighbours, {lists_, islands.forest}});
+                             state, state.neighbours(), {lists_, participants.forest}});
   });
   for (int pass = 1; found > known; ++pass) {
-    if (pass > most_passes)
-      return false;
+    call_up_islands(space, participants, pass, known, found);
+    end = begin + participants.list_called(space, pass);
+    if (!at_any_cost && (pass > most_passes || end / most_numbers > n))
+      break;
+    if (end > participants.room()) {
+      participants.dissolve(space);
+      participants.need_room(2 * end);
+      return resolve(space, state, law, participants, at_any_cost);
+    }
     list_partners(space, state.discs.id, found);
-    int const members = start_members(space, contact, islands, known, found);
-    execute(space, contact, islands, members);
-    int const far = pass == 1 ? 0 : value_after(space, islands.pushes.far_count);
+    participants.begin_listed(space, state, begin, end);
+    execute(space, OrderedContact<Space, Real, LawType, periodic>{state, participants, law}, begin,
+            end);
+    int const far = value_after(space, participants.counts).far;
     known = found;
     found = find_pairs(space, n, known, [&] {
-      Verify<Space, Real, periodic, ListPairs<Space>> const verify{
-          state, neighbours, islands.pushes, {lists_, islands.forest}, pass == 1};
-      Kokkos::parallel_for(
-          "ricochet::verify_rounds", Range<Space>(space, 0, members),
-          VerifyListed<Space, Real, periodic, ListPairs<Space>>{verify, lists_.members});
-      Kokkos::parallel_for("ricochet::verify_far", Range<Space>(space, 0, far),
-                           VerifyFar<Space, Real, periodic, ListPairs<Space>>{verify});
+      verify(space, state, participants, ListPairs<Space>{lists_, participants.forest}, pass, begin,
+             end, far);
     });
+    begin = end;
   }
-  return found >= 0;
+  if (found == known)
+    return end;
+  participants.dissolve(space);
+  reset_all(space, participants.forest, n); // some were united and not called up
+  return not_done;
 }
 
 /// Has pairs found beyond those known, in memory that is large enough. Returns how many there are
@@ -262,7 +276,7 @@ int Rounds<Space, Real>::find_pairs(Space const& space, int discs, int known, Fi
       return -1;
     auto const more = static_cast<std::size_t>(std::max(discs, 2 * room));
     Kokkos::resize(lists_.pairs, more);
-    Kokkos::realloc(lists_.partner, 2 * more);
+    Kokkos::resize(lists_.partner, 2 * more); // whom they met is asked for in the next attempt
   }
 }
 
@@ -310,49 +324,47 @@ void Rounds<Space, Real>::list_partners(Space const& space,
       KOKKOS_LAMBDA(int slot) { lists.tidy(slot, id); });
 }
 
-/// Lists the discs of the islands that the pairs from `first_pair` on belong to, and makes them as
-/// they were at the start. Returns their number.
+/// Calls up the discs of the islands that the pairs from `first_pair` on belong to.
 template <class Space, class Real>
-template <class LawType, bool periodic>
-int Rounds<Space, Real>::start_members(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact,
-    Islands<Space> const& islands, int first_pair, int pairs)
+void Rounds<Space, Real>::call_up_islands(Space const& space,
+                                          Participants<Space, Real> const& participants, int pass,
+                                          int first_pair, int pairs)
 {
   auto const lists = lists_;
+  auto const forest = participants.forest;
+  auto const calls = participants.calls;
   auto const n = static_cast<int>(lists.next.extent(0));
-  Kokkos::deep_copy(space, islands.is_wrong, 0);
+  Kokkos::deep_copy(space, lists.is_new, 0);
   Kokkos::parallel_for(
-      "ricochet::start_rounds", Range<Space>(space, 0, 1),
-      KOKKOS_LAMBDA(int) { lists.counts().active[0] = lists.counts().active[1] = 0; });
+      "ricochet::mark_islands", Range<Space>(space, first_pair, pairs),
+      KOKKOS_LAMBDA(int p) { poke(lists.is_new(forest.root(lists.pairs(p, 0))), 1); });
   Kokkos::parallel_for(
-      "ricochet::mark_islands", Range<Space>(space, first_pair, pairs), KOKKOS_LAMBDA(int p) {
-        int const node = Islands<Space>::node(lists.pairs(p, 0));
-        islands.is_wrong(islands.forest.root(node)) = 1;
+      "ricochet::call_up_islands", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
+        if (lists.is_new(forest.root(slot)) != 0)
+          calls.call_up(slot, pass);
       });
-  TakeBack<Space> const take_back{contact.tally, islands.pushes};
-  Kokkos::parallel_for(
-      "ricochet::start_members", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int slot) {
-        int const root = islands.forest.root(Islands<Space>::node(slot));
-        if (islands.is_wrong(root) == 0)
-          return;
-        int const at = fetch_add<Space>(lists.counts().active[0], 1);
-        lists.members(at) = lists.active[0](at) = slot;
-        take_back(slot);
-        contact.take(slot);
-      });
-  return value_after(space, lists.counts).active[0];
 }
 
-/// Executes the discs listed.
+/// Executes the discs with the numbers begin...end - 1.
 template <class Space, class Real>
 template <class LawType, bool periodic>
 void Rounds<Space, Real>::execute(Space const& space,
                                   OrderedContact<Space, Real, LawType, periodic> const& contact,
-                                  Islands<Space> const& islands, int members)
+                                  int begin, int end)
 {
   auto const lists = lists_;
+  auto const called = contact.participants.calls.list;
+  int const members = end - begin;
+  Kokkos::parallel_for(
+      "ricochet::start_rounds", Range<Space>(space, 0, members), KOKKOS_LAMBDA(int k) {
+        lists.active[0](k) = called(k);
+        if (k == 0) {
+          lists.counts().active[0] = members;
+          lists.counts().active[1] = 0;
+        }
+      });
   PointAtNext<Space> point{lists, 0};
-  RespondMutually<Space, Real, LawType, periodic> respond{contact, lists, islands.pushes, 1};
+  RespondMutually<Space, Real, LawType, periodic> respond{contact, lists, 1};
   for (int round = 0; round < rounds_by_all; ++round) {
     int const from = round % 2;
     point.from = from;

@@ -49,7 +49,7 @@ struct Sorted {
 };
 
 /// How often `search` finds each disc (column, by id) from each disc (row, by id).
-enum class Search { within, around, ahead };
+enum class Search { within, around, cells_around, ahead };
 
 template <class Real, bool periodic>
 std::vector<int> found(Model const& model, Sorted<Real> const& sorted, Search search, Real reach)
@@ -57,6 +57,8 @@ std::vector<int> found(Model const& model, Sorted<Real> const& sorted, Search se
   auto const discs = sorted.discs;
   int const n = discs.count();
   Neighbours<Space, Real, periodic> const neighbours(discs, sorted.grid.cells(), model.box);
+  Domain<Real, periodic> const domain(model.box);
+  auto const cells = sorted.grid.cells();
   auto const cell = sorted.grid.cell();
   Kokkos::View<int*, Space::memory_space> const times(
       "ricochet::times_found", static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
@@ -67,7 +69,15 @@ std::vector<int> found(Model const& model, Sorted<Real> const& sorted, Search se
         if (search == Search::within)
           neighbours.for_each_within(p, reach, note);
         else if (search == Search::around)
-          neighbours.for_each_around(cell(i), p, reach * reach, -1, note);
+          neighbours.for_each_around(cell(i), p, reach * reach, note);
+        else if (search == Search::cells_around)
+          cells.template for_cells_around<periodic>(cell(i), [&](int c) {
+            for (int k = cells.start(c); k < cells.start(c + 1); ++k) {
+              auto const d = domain.separation(p, discs.position(k));
+              if (dot(d, d) < reach * reach)
+                note(k, d);
+            }
+          });
         else
           neighbours.for_each_ahead(cell(i), i, reach * reach, note);
       });
@@ -112,6 +122,7 @@ void expect_nobody_missed(Model const& model, std::vector<DiscState> const& stat
   for (Real const reach : {Real(2), Real(0.5)}) {
     auto const expected = within_reach<Real, periodic>(model, states, reach);
     EXPECT_EQ((found<Real, periodic>(model, sorted, Search::around, reach)), expected);
+    EXPECT_EQ((found<Real, periodic>(model, sorted, Search::cells_around, reach)), expected);
     auto once = pairs(expected, states.size());
     for (auto& times : once)
       times /= 2;
