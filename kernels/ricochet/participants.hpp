@@ -60,10 +60,9 @@ template <class Space, class Real>
 struct Participants {
   template <class Value>
   using List = Kokkos::View<Value*, Space>;
-  static constexpr int none = -1;
+  static constexpr int none = -1, no_island = std::numeric_limits<int>::max();
 
   /// What the host must know to go on.
-  static constexpr int no_island = std::numeric_limits<int>::max();
   struct Counts {
     int called = 0;               ///< for this pass
     int far = 0;                  ///< discs that were pushed far
