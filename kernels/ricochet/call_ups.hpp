@@ -14,6 +14,10 @@ template <class Space>
 struct CallUps {
   using Ints = Kokkos::View<int*, Space>;
   static constexpr int block = 16; ///< slots; a gas has fewer contacts at a time than blocks
+  /// How many places of the list a work item looks ahead, to fetch what items to come will read:
+  /// first what says where the rest of it is, and later that. The list is longer by as much; there
+  /// it holds slots, whichever.
+  static constexpr int far_ahead = 16, ahead = 8;
 
   Ints called;          ///< by slot: latest round it was called up for, or 0; for whole blocks
   Ints called_in_block; ///< latest round that any of a block was called up for
@@ -23,7 +27,7 @@ struct CallUps {
   CallUps(int n, int listed)
     : called("ricochet::called_for_round", blocks_of(block, n) * block),
       called_in_block("ricochet::called_in_block", blocks_of(block, n)),
-      list(uninitialised<Ints>("ricochet::called_up", listed))
+      list("ricochet::called_up", listed + far_ahead)
   {
   }
 
@@ -62,7 +66,7 @@ struct CallUps {
     poke(called_in_block(slot / block), 0); // others of the block do so, too
   }
 
-  void keep_listed(int listed) { list = uninitialised<Ints>("ricochet::called_up", listed); }
+  void keep_listed(int listed) { list = Ints("ricochet::called_up", listed + far_ahead); }
 };
 
 /// Lists the discs that are called up for a round, a block of slots at a time: the body of a scan.

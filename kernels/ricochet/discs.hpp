@@ -50,6 +50,14 @@ struct Discs {
     return {position(slot), velocity(slot)};
   }
 
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_motion_ahead(int slot) const
+  {
+    fetch_ahead(x(slot));
+    fetch_ahead(y(slot));
+    fetch_ahead(vx(slot));
+    fetch_ahead(vy(slot));
+  }
+
   KOKKOS_INLINE_FUNCTION void set_position(int slot, Vec2<Real> p) const
   {
     x(slot) = p.x;

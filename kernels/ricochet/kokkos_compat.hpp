@@ -195,6 +195,16 @@ KOKKOS_INLINE_FUNCTION int compare_exchange(int& number, int expected, int repla
 /// would be read from memory again for each work item.
 #define RICOCHET_APART KOKKOS_FUNCTION __attribute__((noinline, cold))
 
+/// Begins to fetch what a later work item of the same thread will read. It is for lists of discs,
+/// whose gaps no hardware foresees; where threads are many, others work while one waits.
+template <class Value>
+KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead(Value const& value)
+{
+#if !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
+  __builtin_prefetch(&value);
+#endif
+}
+
 /// Place of the lowest bit that is set in `bits`, which is not 0.
 KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits)
 {

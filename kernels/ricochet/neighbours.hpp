@@ -102,6 +102,15 @@ class Neighbours {
                                [&](Runs const& runs) { for_each_that<3>(runs, test, visit); });
   }
 
+  /// Begins to fetch what a search in and around `cell` will read and others before it have not,
+  /// if cells are searched in the order of their numbers: the next row.
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead_around(int cell) const
+  {
+    int const begin = cells_.first_of_next_row(cell);
+    discs_.fetch_motion_ahead(begin);
+    discs_.fetch_motion_ahead(begin + Discs<Space, Real>::padding - 1);
+  }
+
  private:
   /// Calls use(domain) with the domain in which discs stored in or next to `cell` are compared: the
   /// plane, without images, unless it is near an end of a periodic box. Two cells from it, discs

@@ -40,7 +40,7 @@ struct alignas(64) DiscContacts {
 
   Encounter<Real> last;
   NextEvent<Real> next; ///< of those called up in this step
-  int partner[longest]; ///< slots of discs that it meets, or met before
+  int partner[longest] = {}; ///< slots of discs that it meets, or met before
   int partners = 0;     ///< how many
   int changed = 0;      ///< latest round in which it got a new line, or 0
 };
@@ -85,6 +85,13 @@ struct ToiStep : Lines<Space, Real, periodic> {
   {
   }
 
+  /// Begins to fetch a disc and its contacts.
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_disc_ahead(int i) const
+  {
+    fetch_ahead(contacts.of_disc(i));
+    this->discs.fetch_motion_ahead(i);
+  }
+
   /// Place of a disc at `time`.
   KOKKOS_INLINE_FUNCTION Vec2<Real> at(int i, Real time) const { return this->line(i).at(time); }
 
@@ -126,6 +133,7 @@ struct ChooseNext {
 
   KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
+    fetch_for_others(place);
     auto const& arena = step.arena;
     int const i = step.m.list(place);
     Real const since = step.contacts.last(i).since;
@@ -144,6 +152,12 @@ struct ChooseNext {
   }
 
  private:
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_for_others(int place) const
+  {
+    step.fetch_disc_ahead(step.m.list(place + step.m.far_ahead));
+    step.fetch_disc_ahead(step.contacts.of_disc(step.m.list(place + step.m.ahead)).partner[0]);
+  }
+
   KOKKOS_INLINE_FUNCTION void consider(int i, int k, NextEvent<Real>& next) const
   {
     if (i == k)
@@ -171,6 +185,7 @@ struct ResolveContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int place, Happened& happened) const
   {
+    fetch_for_others(place);
     int const i = step.m.list(place);
     NextEvent<Real> const& next = step.contacts.next(i);
     if (next.with == partner::none)
@@ -194,6 +209,18 @@ struct ResolveContacts {
   }
 
  private:
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_for_others(int place) const
+  {
+    int const later = step.m.list(place + step.m.far_ahead);
+    step.fetch_disc_ahead(later);
+    fetch_ahead(step.discs.id(later));
+    int const partner = step.contacts.next(step.m.list(place + step.m.ahead)).with;
+    if (partner < 0)
+      return;
+    step.fetch_disc_ahead(partner);
+    fetch_ahead(step.discs.id(partner));
+  }
+
   /// Place and velocity of a disc in the lab at the time of a contact.
   KOKKOS_INLINE_FUNCTION Motion<Real> motion(int i, Real t) const
   {
@@ -311,6 +338,7 @@ struct FindNewContacts {
 
   KOKKOS_INLINE_FUNCTION void operator()(int place) const
   {
+    fetch_for_others(place);
     int const i = step.m.list(place);
     if (step.contacts.of_disc(i).changed != round)
       return;
@@ -324,6 +352,14 @@ struct FindNewContacts {
   }
 
  private:
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_for_others(int place) const
+  {
+    int const later = step.m.list(place + step.m.far_ahead);
+    step.fetch_disc_ahead(later);
+    fetch_ahead(step.cell(later));
+    step.neighbours.fetch_ahead_around(step.cell(step.m.list(place + step.m.ahead)));
+  }
+
   KOKKOS_INLINE_FUNCTION void search(int i, CandidateBatch<Space, Real>& batch) const
   {
     Real const since = step.contacts.last(i).since;
