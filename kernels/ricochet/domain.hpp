@@ -75,8 +75,9 @@ class Domain {
       // Without a branch, so that compilers find the vectors in a loop over discs.
       Real const image = p - length * floor((p + half) / length);
       // Rounding may end on, or just past, the far side, which is the near side of the next image.
-      Real const inside = ((image >= -half) & (image < half)) ? image : -half;
-      return ((p < -half) | (p >= half)) ? inside : p;
+      Real const not_below = image > -half ? image : -half;
+      Real const inside = not_below < half ? not_below : -half;
+      return fabs(p) >= half ? inside : p; // -half is its own image
     }
   };
 
