@@ -69,13 +69,19 @@ struct CallUps {
   void keep_listed(int listed) { list = Ints("ricochet::called_up", listed + far_ahead); }
 };
 
+/// Writes a number to memory of the device.
+struct WriteTo {
+  int* number;
+  KOKKOS_INLINE_FUNCTION void operator()(int value) const { *number = value; }
+};
+
 /// Lists the discs that are called up for a round, a block of slots at a time: the body of a scan.
-template <class Space>
+template <class Space, class Note>
 struct ListCalled {
   CallUps<Space> m;
   int round;
-  int place;  ///< in the list, of the first
-  int* total; ///< how many they are, also if there is no room for all
+  int place; ///< in the list, of the first
+  Note note; ///< is told how many they are, also if there is no room for all
 
   KOKKOS_INLINE_FUNCTION void operator()(int b, int& before, bool final) const
   {
@@ -90,17 +96,33 @@ struct ListCalled {
           m.list(place + before) = b * m.block + lowest_bit(marks);
     }
     if (final && b + 1 == m.blocks())
-      *total = before;
+      note(before);
   }
 };
 
-/// Lists the discs that are called up for a round, from `place` on, and writes their number, also
-/// if there was no room for all, to `total` on the device.
-template <class Space>
-void list_called(Space const& space, CallUps<Space> const& calls, int round, int place, int* total)
+/// Lists the discs that are called up for a round, from `place` on, and calls note(their number) on
+/// the device, also if there was no room for all.
+template <class Space, class Note>
+void list_called(Space const& space, CallUps<Space> const& calls, int round, int place,
+                 Note const& note)
 {
   scan("ricochet::list_called", space, calls.blocks(),
-       ListCalled<Space>{calls, round, place, total});
+       ListCalled<Space, Note>{calls, round, place, note});
 }
+
+/// Calls work(place), or work(place, result) for a reduction, for all places of a list whose length
+/// the device knows, and the host perhaps does not: `items` work items take turns.
+template <class Work, class... Result>
+struct ForListed {
+  Work work;
+  int const* length;
+  int items;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int item, Result&... result) const
+  {
+    for (int place = item, end = *length; place < end; place += items)
+      work(place, result...);
+  }
+};
 
 } // namespace ricochet

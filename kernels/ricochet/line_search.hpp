@@ -55,6 +55,7 @@ class LineSearch {
 
   /// Upper bounds of the speeds until the next sort, and of paths in the lab.
   void note_speed(double speed) { speed_ = std::max(speed_, speed); }
+  double speed() const { return speed_; }
 
   /// Reads what the kernels so far have counted, and notes the speeds.
   Counts const& read_counts(Space const& space)
@@ -68,7 +69,7 @@ class LineSearch {
   /// also if there was no room for all.
   int list_called(Space const& space, int round, int place = 0)
   {
-    ricochet::list_called(space, memory_, round, place, &memory_.counts.data()->called);
+    ricochet::list_called(space, memory_, round, place, WriteTo{&memory_.counts.data()->called});
     return read_counts(space).called;
   }
 
@@ -323,7 +324,7 @@ void LineSearch<Space, Real>::enter_happened(Space const& space,
   Kokkos::parallel_for(
       "ricochet::enter_in_books", Range<Space>(space, 0, 1), KOKKOS_LAMBDA(int) {
         books().merge(happened().books);
-        counts().speed2 = happened().speed2;
+        counts().speed2 = happened().speed2 > counts().speed2 ? happened().speed2 : counts().speed2;
       });
 }
 

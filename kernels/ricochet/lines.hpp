@@ -59,7 +59,7 @@ struct LineMemory : CallUps<Space> {
   struct Counts {
     int called = 0; ///< for this round
     int candidates = 0;
-    double speed2 = 0; ///< of the last round
+    double speed2 = 0; ///< square of the largest speed that came of a contact in this stretch
   };
   Kokkos::View<Counts, Space> counts;
 

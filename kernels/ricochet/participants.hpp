@@ -116,7 +116,7 @@ struct Participants {
   /// room for their numbers.
   int list_called(Space const& space, int pass) const
   {
-    ricochet::list_called(space, calls, pass, 0, &counts.data()->called);
+    ricochet::list_called(space, calls, pass, 0, WriteTo{&counts.data()->called});
     return value_after(space, counts).called;
   }
 

@@ -46,9 +46,8 @@ class TimeOfImpact : public Engine {
   int threads() const override { return space_.concurrency(); }
 
  private:
-  /// After so many rounds in a step contacts are left to the next one: discs at rest on each other
-  /// would go on for ever.
-  static constexpr int most_rounds = 32;
+  static constexpr int most_rounds = CalledInRounds::most_rounds;
+
   auto numbers()
   {
     return [this](auto const& visit) {
@@ -77,24 +76,63 @@ class TimeOfImpact : public Engine {
     });
   }
 
+  /// As many rounds as the step before took are queued without waiting for what comes of them, and
+  /// after that one at a time. They are planned for speeds up to that of the fastest disc; if one
+  /// has become faster, what is left of them does nothing, and is planned again.
   template <bool periodic>
   void resolve_contacts()
   {
     ProfilingRegion const region("ricochet::resolve_contacts");
-    has_left_contacts_ = false;
-    for (int round = 1; round <= most_rounds; ++round) {
-      int const called = search_.list_called(space_, round);
-      if (called == 0)
-        return;
-      execute_round<periodic>(round, called);
+    constexpr double any_speed = std::numeric_limits<double>::infinity();
+    double const fastest2 = search_.speed() * search_.speed();
+    int const queued = executed_rounds();
+    int round = 1;
+    for (; round <= queued; ++round) {
+      list_called(round, fastest2);
+      execute_round<periodic>(round);
     }
-    search_.read_counts(space_); // of the last round
-    has_left_contacts_ = true;   // discs that must be kept inside the box now leave their lines
+    list_called(round, fastest2);
+    if (read_counts().speed2 > fastest2) {
+      round = executed_rounds() + 1;
+      list_called(round, any_speed);
+      read_counts();
+    }
+    while (round <= most_rounds && called_.in_round[round] > 0) {
+      execute_round<periodic>(round++);
+      list_called(round, any_speed);
+      read_counts();
+    }
+    // Discs that must then be kept inside the box leave their lines.
+    has_left_contacts_ = executed_rounds() == most_rounds;
+  }
+
+  /// Lists the discs that are called up for a round, as none if one is faster than expected.
+  void list_called(int round, double fastest2)
+  {
+    auto const& m = search_.memory();
+    ricochet::list_called(space_, m, round, 0,
+                          CountCalled<Space>{m, memory_.called_in(round), fastest2});
+  }
+
+  typename LineSearch<Space, Real>::Counts const& read_counts()
+  {
+    auto const& counts = search_.read_counts(space_);
+    called_ = value_after(space_, memory_.called);
+    return counts;
+  }
+
+  /// Rounds that were executed, as far as the host knows.
+  int executed_rounds() const
+  {
+    int rounds = 0;
+    while (rounds < most_rounds && called_.in_round[rounds + 1] > 0)
+      ++rounds;
+    return rounds;
   }
 
  public: // nvcc takes device lambdas and launches only from public functions
   template <bool periodic>
-  void execute_round(int round, int called);
+  void execute_round(int round);
   void fly();
 
  private:
@@ -107,6 +145,7 @@ class TimeOfImpact : public Engine {
   ContactMemory<Space, Real> memory_;
   RunBooks<Space> books_;
   Inspection<Space, Real> inspection_;
+  CalledInRounds called_;          ///< as the host last saw it
   bool has_left_contacts_ = false; ///< to the next step
 };
 
@@ -130,27 +169,34 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
   require_fine_enough<Real>(model, method, books_.report(space_, discs_).temperature);
 }
 
+/// The host need not know how many discs are called up for it, but does well to guess.
 template <class Space, class Real>
 template <bool periodic>
-void TimeOfImpact<Space, Real>::execute_round(int round, int called)
+void TimeOfImpact<Space, Real>::execute_round(int round)
 {
+  int const items = std::max(called_.in_round[round], 1);
+  int const* const called = memory_.called_in(round);
+  Range<Space> const range(space_, 0, items);
   ToiStep<Space, Real, periodic> const step(search_.template lines<periodic>(discs_, dt_, 1.5),
                                             memory_);
   WallRule<Real, true> const wall{static_cast<Real>(model_.contact.restitution),
                                   static_cast<Real>(model_.contact.friction)};
-  Kokkos::parallel_for("ricochet::choose_next", Range<Space>(space_, 0, called),
-                       ChooseNext<Space, Real, periodic>{step, round});
+  using Choose = ChooseNext<Space, Real, periodic>;
+  Kokkos::parallel_for("ricochet::choose_next", range,
+                       ForListed<Choose>{{step, round}, called, items});
   std::visit(
       [&](auto const& law) {
-        Kokkos::parallel_reduce("ricochet::resolve_contacts", Range<Space>(space_, 0, called),
-                                ResolveContacts<Space, Real, periodic, std::decay_t<decltype(law)>>{
-                                    step, law, wall, books_.scales(), round},
-                                Merge<Happened, Space>(search_.happened()));
+        using Resolve = ResolveContacts<Space, Real, periodic, std::decay_t<decltype(law)>>;
+        Kokkos::parallel_reduce(
+            "ricochet::resolve_contacts", range,
+            ForListed<Resolve, Happened>{{step, law, wall, books_.scales(), round}, called, items},
+            Merge<Happened, Space>(search_.happened()));
       },
       law_);
   search_.enter_happened(space_, books_.view());
-  Kokkos::parallel_for("ricochet::find_new_contacts", Range<Space>(space_, 0, called),
-                       FindNewContacts<Space, Real, periodic>{step, round});
+  using Find = FindNewContacts<Space, Real, periodic>;
+  Kokkos::parallel_for("ricochet::find_new_contacts", range,
+                       ForListed<Find>{{step, round}, called, items});
 }
 
 template <class Space, class Real>

@@ -39,10 +39,19 @@ struct alignas(64) DiscContacts {
   static constexpr int longest = 6; ///< a disc that meets more has no list; it searches
 
   Encounter<Real> last;
-  NextEvent<Real> next; ///< of those called up in this step
+  NextEvent<Real> next;      ///< of those called up in this step
   int partner[longest] = {}; ///< slots of discs that it meets, or met before
-  int partners = 0;     ///< how many
-  int changed = 0;      ///< latest round in which it got a new line, or 0
+  int partners = 0;          ///< how many
+  int changed = 0;           ///< latest round in which it got a new line, or 0
+};
+
+/// How many discs were called up for the rounds 1, 2, ... of a step.
+struct CalledInRounds {
+  /// After so many rounds contacts are left to the next step: discs at rest on each other would go
+  /// on for ever.
+  static constexpr int most_rounds = 32;
+
+  int in_round[most_rounds + 2] = {};
 };
 
 /// Memory of the contacts of all discs in a step, by slot. Between steps it is as new.
@@ -51,8 +60,15 @@ struct ContactMemory {
   static constexpr int longest = DiscContacts<Real>::longest;
 
   Kokkos::View<DiscContacts<Real>*, Space> of_disc;
+  Kokkos::View<CalledInRounds, Space> called;
 
-  explicit ContactMemory(int n) : of_disc("ricochet::disc_contacts", n) {}
+  explicit ContactMemory(int n)
+    : of_disc("ricochet::disc_contacts", n), called("ricochet::called_in_rounds")
+  {
+  }
+
+  /// Place on the device of the number of discs called up for a round.
+  int* called_in(int round) const { return called.data()->in_round + round; }
 
   KOKKOS_INLINE_FUNCTION Encounter<Real>& last(int slot) const { return of_disc(slot).last; }
   KOKKOS_INLINE_FUNCTION NextEvent<Real>& next(int slot) const { return of_disc(slot).next; }
@@ -113,6 +129,20 @@ struct ToiStep : Lines<Space, Real, periodic> {
     contacts.add_partner(j, i);
     this->m.call_up(i, round);
     this->m.call_up(j, round);
+  }
+};
+
+/// Counts the discs that are called up for a round as none once one is faster than the host, which
+/// has planned the round, knew.
+template <class Space>
+struct CountCalled {
+  LineMemory<Space> m;
+  int* called; ///< in this round
+  double fastest2;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const
+  {
+    *called = m.counts().speed2 > fastest2 ? 0 : number;
   }
 };
 
