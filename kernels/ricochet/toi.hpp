@@ -76,34 +76,32 @@ class TimeOfImpact : public Engine {
     });
   }
 
-  /// As many rounds as the step before took are queued without waiting for what comes of them, and
-  /// after that one at a time. They are planned for speeds up to that of the fastest disc; if one
-  /// has become faster, what is left of them does nothing, and is planned again.
+  /// As many rounds as the step before took are queued without waiting for what comes of them;
+  /// then the host reads whether there are more. They are planned for speeds up to that of the
+  /// fastest disc: if one has become faster, the rest of them does nothing, and is queued again.
   template <bool periodic>
   void resolve_contacts()
   {
     ProfilingRegion const region("ricochet::resolve_contacts");
-    constexpr double any_speed = std::numeric_limits<double>::infinity();
-    double const fastest2 = search_.speed() * search_.speed();
-    int const queued = executed_rounds();
-    int round = 1;
-    for (; round <= queued; ++round) {
+    has_left_contacts_ = false;
+    int const queued = std::min(executed_rounds(), most_rounds - 1);
+    double fastest2 = search_.speed() * search_.speed();
+    for (int round = 1; round <= most_rounds; ++round) {
       list_called(round, fastest2);
+      if (round > queued) {
+        double const speed2 = read_counts().speed2;
+        if (speed2 > fastest2) {
+          fastest2 = speed2;
+          round = executed_rounds();
+          continue;
+        }
+        if (called_.in_round[round] == 0)
+          return;
+      }
       execute_round<periodic>(round);
     }
-    list_called(round, fastest2);
-    if (read_counts().speed2 > fastest2) {
-      round = executed_rounds() + 1;
-      list_called(round, any_speed);
-      read_counts();
-    }
-    while (round <= most_rounds && called_.in_round[round] > 0) {
-      execute_round<periodic>(round++);
-      list_called(round, any_speed);
-      read_counts();
-    }
-    // Discs that must then be kept inside the box leave their lines.
-    has_left_contacts_ = executed_rounds() == most_rounds;
+    read_counts();
+    has_left_contacts_ = true; // discs that must be kept inside the box now leave their lines
   }
 
   /// Lists the discs that are called up for a round, as none if one is faster than expected.
@@ -118,10 +116,12 @@ class TimeOfImpact : public Engine {
   {
     auto const& counts = search_.read_counts(space_);
     called_ = value_after(space_, memory_.called);
+    for (int round = 1; round <= executed_rounds(); ++round)
+      expected_.in_round[round] = called_.in_round[round];
     return counts;
   }
 
-  /// Rounds that were executed, as far as the host knows.
+  /// Rounds of this step, or of the one before, that were executed, as far as the host knows.
   int executed_rounds() const
   {
     int rounds = 0;
@@ -146,6 +146,7 @@ class TimeOfImpact : public Engine {
   RunBooks<Space> books_;
   Inspection<Space, Real> inspection_;
   CalledInRounds called_;          ///< as the host last saw it
+  CalledInRounds expected_;        ///< the latest of each round that there were
   bool has_left_contacts_ = false; ///< to the next step
 };
 
@@ -169,12 +170,12 @@ TimeOfImpact<Space, Real>::TimeOfImpact(Model const& model, Method const& method
   require_fine_enough<Real>(model, method, books_.report(space_, discs_).temperature);
 }
 
-/// The host need not know how many discs are called up for it, but does well to guess.
+/// The host need not know how many discs are called up for it, but had better expect so many.
 template <class Space, class Real>
 template <bool periodic>
 void TimeOfImpact<Space, Real>::execute_round(int round)
 {
-  int const items = std::max(called_.in_round[round], 1);
+  int const items = std::max(expected_.in_round[round], 1);
   int const* const called = memory_.called_in(round);
   Range<Space> const range(space_, 0, items);
   ToiStep<Space, Real, periodic> const step(search_.template lines<periodic>(discs_, dt_, 1.5),

@@ -1,10 +1,12 @@
 // Every kernel, allocation and region of a run carries a label that begins with `ricochet::`, so
-// that Kokkos Tools shows the physics. The test listens to a run as a tool does.
+// that Kokkos Tools shows the physics; and the host seldom waits for what the device has counted.
+// The tests listen to runs as a tool does.
 #include "support/runs.hpp"
 
 #include <Kokkos_Core.hpp>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 namespace ricochet::test {
@@ -13,12 +15,21 @@ namespace {
 /// What the run told the tool, by kind.
 struct Heard {
   std::set<std::string> kernels, allocations, regions;
+  std::map<std::string, int> launches, reads; ///< of kernels, and of single values by the host
 };
 Heard heard;
 
 void on_kernel(char const* label, std::uint32_t, std::uint64_t*)
 {
   heard.kernels.insert(label);
+  ++heard.launches[label];
+}
+
+void on_copy(Kokkos::Tools::SpaceHandle, char const* to, void const*, Kokkos::Tools::SpaceHandle,
+             char const* from, void const*, std::uint64_t)
+{
+  if (std::string(to) == "Scalar")
+    ++heard.reads[from];
 }
 
 void on_allocation(Kokkos::Tools::SpaceHandle, char const* label, void const*, std::uint64_t)
@@ -43,6 +54,7 @@ class Listening {
     tools::set_begin_parallel_scan_callback(on_kernel);
     tools::set_allocate_data_callback(on_allocation);
     tools::set_push_region_callback(on_region);
+    tools::set_begin_deep_copy_callback(on_copy);
   }
   ~Listening() { Kokkos::Tools::Experimental::set_callbacks(before_); }
   Listening(Listening const&) = delete;
@@ -123,6 +135,30 @@ TEST(Labels, AreMissedWhereTheyAreMissing)
   EXPECT_FALSE(is_labelled(""));
   EXPECT_FALSE(is_labelled("Kokkos::View::initialization [nameless]"));
   EXPECT_TRUE(is_labelled("Kokkos::View::initialization [ricochet::x]"));
+}
+
+// `toi` reads what was counted at the end of a step, and before that only where a step takes more
+// rounds than the one before, or a disc has become the fastest.
+TEST(Waiting, OfTheHostForRoundsIsRare)
+{
+  constexpr int steps = 50;
+  Scene scene;
+  scene.model =
+      make_model(112, 112, 0, {Law::restitution, 1, 1}, Boundary::periodic, Boundary::periodic);
+  scene.discs = separate_discs(scene.model, 2000, 10, 1);
+  scene.dt = 0.02;
+  for (auto const& way : ways_of(EngineKind::toi)) {
+    SCOPED_TRACE(name(way));
+    auto const engine = start(scene, way);
+    engine->advance(steps);
+    Listening const listening;
+    engine->advance(steps);
+    int const rounds = heard.launches["ricochet::choose_next"];
+    int const reads = heard.reads["ricochet::called_in_rounds"];
+    EXPECT_GT(rounds, 5 * steps) << "few rounds prove nothing";
+    EXPECT_GE(reads, steps) << "not all was heard";
+    EXPECT_LT(reads, rounds / 3);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
