@@ -76,15 +76,17 @@ class TimeOfImpact : public Engine {
     });
   }
 
-  /// As many rounds as the step before took are queued without waiting for what comes of them;
-  /// then the host reads whether there are more. They are planned for speeds up to that of the
-  /// fastest disc: if one has become faster, the rest of them does nothing, and is queued again.
+  /// As many rounds as the step before took, or one less where to read is cheaper than a round in
+  /// vain, are queued without waiting for what comes of them; then the host reads whether there are
+  /// more. They are planned for speeds up to that of the fastest disc: if one has become faster,
+  /// the rest of them does nothing, and is queued again.
   template <bool periodic>
   void resolve_contacts()
   {
     ProfilingRegion const region("ricochet::resolve_contacts");
     has_left_contacts_ = false;
-    int const queued = std::min(executed_rounds(), most_rounds - 1);
+    int const queued =
+        std::min(executed_rounds() - (shares_host_memory<Space> ? 1 : 0), most_rounds - 1);
     double fastest2 = search_.speed() * search_.speed();
     for (int round = 1; round <= most_rounds; ++round) {
       list_called(round, fastest2);
