@@ -58,10 +58,14 @@ class OrderedPairs {
   }
 
  private:
-  /// Where a crowd is more than this part of the discs, or as many must be executed again, one
-  /// thread is done sooner in order; and where it takes more passes than this. To execute a crowd
-  /// costs about as much as to verify a tenth of the discs.
-  static constexpr int worthwhile_part = 4, most_passes = 12, crowd_part = 10;
+  /// Where a crowd is more than this part of the discs one thread is done sooner in order; and
+  /// where islands take more passes than this. To execute a crowd costs about as much as to verify
+  /// a tenth of the discs.
+  static constexpr int largest_crowd_part = 4, most_passes = 12, crowd_part = 10;
+  /// So it is where more than this share of the discs takes part, each counted in every pass that
+  /// it is executed in or verified: more of many, which the loop in order does not find in a cache.
+  static constexpr double worthwhile_of_few = 0.45, worthwhile_of_many = 0.75;
+  static constexpr int few = 50000;
   /// After a step that was not worth it, islands are left alone for a while, twice as long each
   /// time.
   static constexpr int longest_pause = 32;
@@ -79,10 +83,15 @@ class OrderedPairs {
   /// Larger islands are for the crowd.
   int largest_island() const { return execution_ == Execution::crowd ? 1 : island_limit; }
 
-  bool is_too_much(int pass, int crowd, int discs) const
+  bool is_too_much(int pass, int discs) const
   {
-    return pass > most_passes || again_ > discs / worthwhile_part ||
-           crowd > (shares_host_memory<Space> ? discs / worthwhile_part : 0);
+    double const share =
+        shares_host_memory<Space> && discs <= few ? worthwhile_of_few : worthwhile_of_many;
+    return pass > most_passes || work_ > share * discs;
+  }
+  int largest_crowd(int discs) const
+  {
+    return shares_host_memory<Space> ? discs / largest_crowd_part : 0;
   }
 
  public: // nvcc takes device lambdas only from public functions
@@ -110,7 +119,7 @@ class OrderedPairs {
   Participants<Space, Real> participants_;
   Rounds<Space, Real> rounds_;
   BooksView<Space> part_;
-  int again_ = 0; ///< discs executed again, or verified again, in this step
+  int work_ = 0; ///< discs that were executed or verified in this step, in each pass
   int pause_ = 0, steps_to_pause_ = 0;
   ExecutionCounts executions_;
 };
@@ -126,9 +135,7 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
     --steps_to_pause_;
   } else if (by_islands()) {
     end = resolve_islands(space, state, law);
-    bool const paid = execution_ != Execution::automatic ||
-                      (end != not_done && again_ <= state.discs.count() / worthwhile_part);
-    pause_ = paid ? 0 : std::min(std::max(2 * pause_, 1), longest_pause);
+    pause_ = end != not_done ? 0 : std::min(std::max(2 * pause_, 1), longest_pause);
     steps_to_pause_ = pause_;
   }
   if (end == not_done && by_rounds()) {
@@ -156,13 +163,18 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
   Kokkos::parallel_for("ricochet::unite_overlapping", Range<Space>(space, 0, n),
                        FindOverlapping<Space, Real, periodic, UniteOverlapping<Space>>{
                            state, state.neighbours(), {participants_.forest, participants_.calls}});
-  again_ = 0;
+  work_ = 0;
   bool any_crowd = false;
   int begin = 0, end = 0; // of the numbers of a pass
   for (int pass = 1;; ++pass) {
     end = begin + participants_.list_called(space, pass);
     if (end == begin)
       break;
+    work_ += end - begin;
+    if (execution_ == Execution::automatic && is_too_much(pass, n)) {
+      participants_.dissolve(space);
+      return not_done;
+    }
     if (end > participants_.room()) {
       participants_.dissolve(space);
       participants_.need_room(end + end / 4);
@@ -172,7 +184,7 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
     auto const& participants = contact.participants;
     participants.begin_listed(space, state, begin, end);
     auto counts = execute_islands(space, contact, begin, end);
-    if (execution_ == Execution::automatic && is_too_much(pass, counts.crowd, n)) {
+    if (execution_ == Execution::automatic && counts.crowd > largest_crowd(n)) {
       participants.dissolve(space);
       return not_done;
     }
@@ -180,9 +192,9 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
       execute_crowd(space, contact, counts.crowd_island, begin, end);
       counts = value_after(space, participants.counts);
       any_crowd = true;
-      again_ += n / crowd_part;
+      work_ += n / crowd_part;
     }
-    again_ += pass == 1 ? 0 : end - begin + counts.far;
+    work_ += pass == 1 ? 0 : counts.far;
     verify(space, state, participants, UniteIslands<Space, Real>{participants, pass}, pass, begin,
            end, counts.far);
     begin = end;
