@@ -1,9 +1,9 @@
 // How fast `sweep` and `toi` are, on one thread and on all, and what bounds it: their speed beside
-// the correctness of `toi`, the price of each term, and the bytes that the kernels move beside the
-// bandwidth of the memory.
+// the correctness of `toi`, the price of each term, the bytes that the kernels move beside the
+// bandwidth of the memory, and the loop of `sweep` in order beside the way that it chooses.
 //
 //   study_speed [ROUNDS [PART]]   5 rounds, in which what is compared takes turns;
-//                                 PART: speeds, correctness, terms or bounds, or all of them
+//                                 PART: speeds, correctness, terms, bounds or order, or all
 
 #include "scenes.hpp"
 
@@ -58,14 +58,23 @@ struct Times {
 /// from the same state.
 class Work {
  public:
-  Work(perf::Gas const& gas, EngineKind engine, double q, Placement placement)
+  Work(perf::Gas const& gas, EngineKind engine, double q, Placement placement,
+       Execution execution = Execution::automatic)
     : steps_(std::lround(1 / q))
   {
     Method method;
     method.engine = engine;
     method.dt = q * 2 * gas.model.radius / gas.thermal_speed;
     method.placement = placement;
+    method.execution = execution;
     simulation_ = make_engine(gas.model, method, gas.discs);
+    start_ = simulation_->checkpoint();
+  }
+
+  /// Begins with a state several times as far on: the engine knows by then how to go about it.
+  void begin_later()
+  {
+    simulation_->advance(8 * steps_);
     start_ = simulation_->checkpoint();
   }
 
@@ -192,6 +201,33 @@ void print_prices(int discs, double packing)
                 1e9 * works[k]->times().best() / works[k]->disc_steps(),
                 1e9 * works[k + 1]->times().best() / works[k + 1]->disc_steps());
   std::fflush(stdout);
+}
+
+/// The way that `sweep` chooses beside the loop in order, in an elastic gas.
+void print_order(int discs)
+{
+  for (double const packing : {0.2, 0.4, 0.5, 0.6, 0.7}) {
+    auto const gas = perf::melted_gas(discs, packing, elastic, 0);
+    for (double const q : {0.2, 0.1, 0.05}) {
+      Work chosen(gas, EngineKind::sweep, q, Placement::serial),
+          in_order(gas, EngineKind::sweep, q, Placement::serial, Execution::in_order),
+          chosen_by_all(gas, EngineKind::sweep, q, Placement::parallel);
+      Work* const works[] = {&chosen, &in_order, &chosen_by_all};
+      for (auto* const work : works)
+        work->begin_later();
+      for (int round = 0; round <= rounds; ++round)
+        for (auto* const work : works)
+          work->measure();
+      auto const time = [](Work const& work) { return work.times().best() / work.disc_steps(); };
+      auto const report = in_order.report();
+      std::printf("| %d | %g | %g | %.3f | %.0f | %.2f | %.2f |\n", discs, packing, q,
+                  static_cast<double>(report.collisions) /
+                      static_cast<double>(report.steps * report.discs),
+                  1e9 * time(in_order), time(chosen) / time(in_order),
+                  time(chosen_by_all) / time(in_order));
+      std::fflush(stdout);
+    }
+  }
 }
 
 // What bounds it.
@@ -336,6 +372,13 @@ void run(std::string const& part)
   if (wants("terms")) {
     std::puts("\n| terms | `sweep` | `toi` |\n|---|---|---|");
     print_prices(100000, 0.2);
+  }
+  if (wants("order")) {
+    std::puts(
+        "\n| discs | packing | q | contacts a disc and step | in order, ns | chosen, one thread "
+        "| chosen, all threads |\n|---|---|---|---|---|---|---|");
+    for (int const discs : {2000, 16000, 100000})
+      print_order(discs);
   }
   if (wants("bounds"))
     for (double const packing : packings) {
