@@ -181,7 +181,10 @@ struct Cells {
 
   /// The first of the slots that for_runs_around() visits in the next row, or the one that would be
   /// there.
-  KOKKOS_INLINE_FUNCTION int first_of_next_row(int cell) const { return start(cell + stride() - 1); }
+  KOKKOS_INLINE_FUNCTION int first_of_next_row(int cell) const
+  {
+    return start(cell + stride() - 1);
+  }
 
   /// Calls visit(c) for all cells of the box that for_runs_around() looks into, each once; and for
   /// some outside, which are empty, where nothing is periodic.

@@ -196,7 +196,9 @@ KOKKOS_INLINE_FUNCTION int compare_exchange(int& number, int expected, int repla
 #define RICOCHET_APART KOKKOS_FUNCTION __attribute__((noinline, cold))
 
 /// Begins to fetch what a later work item of the same thread will read. It is for lists of discs,
-/// whose gaps no hardware foresees; where threads are many, others work while one waits.
+/// whose gaps no hardware foresees; where threads are many, others work while one waits. Functions
+/// that do nothing else must be inlined by force, too: to g++ they have no effect, and it would
+/// leave out calls of them.
 template <class Value>
 KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead(Value const& value)
 {

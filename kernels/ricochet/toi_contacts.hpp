@@ -51,7 +51,7 @@ struct CalledInRounds {
   /// on for ever.
   static constexpr int most_rounds = 32;
 
-  int in_round[most_rounds + 2] = {};
+  int in_round[most_rounds + 1] = {};
 };
 
 /// Memory of the contacts of all discs in a step, by slot. Between steps it is as new.
