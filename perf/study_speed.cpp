@@ -381,12 +381,13 @@ void run(std::string const& part)
       print_order(discs);
   }
   if (wants("bounds"))
-    for (double const packing : packings) {
-      print_bounds<Kokkos::DefaultHostExecutionSpace>(1000000, packing, Placement::parallel);
+    for (int const discs : {100000, 1000000})
+      for (double const packing : packings) {
+        print_bounds<Kokkos::DefaultHostExecutionSpace>(discs, packing, Placement::parallel);
 #if defined(KOKKOS_ENABLE_SERIAL)
-      print_bounds<Kokkos::Serial>(1000000, packing, Placement::serial);
+        print_bounds<Kokkos::Serial>(discs, packing, Placement::serial);
 #endif
-    }
+      }
 }
 
 } // namespace
