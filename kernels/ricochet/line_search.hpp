@@ -67,7 +67,7 @@ class LineSearch {
 
   /// Lists the discs that are called up for a round, from `place` on. Returns how many they are,
   /// also if there was no room for all.
-  int list_called(Space const& space, int round, int place = 0)
+  int list_called(Space const& space, int round, int place)
   {
     ricochet::list_called(space, memory_, round, place, WriteTo{&memory_.counts.data()->called});
     return read_counts(space).called;

@@ -83,11 +83,11 @@ class OrderedPairs {
   /// Larger islands are for the crowd.
   int largest_island() const { return execution_ == Execution::crowd ? 1 : island_limit; }
 
-  bool is_too_much(int pass, int discs) const
+  static bool is_too_much(int pass, int work, int discs)
   {
     double const share =
         shares_host_memory<Space> && discs <= few ? worthwhile_of_few : worthwhile_of_many;
-    return pass > most_passes || work_ > share * discs;
+    return pass > most_passes || work > share * discs;
   }
   int largest_crowd(int discs) const
   {
@@ -119,7 +119,6 @@ class OrderedPairs {
   Participants<Space, Real> participants_;
   Rounds<Space, Real> rounds_;
   BooksView<Space> part_;
-  int work_ = 0; ///< discs that were executed or verified in this step, in each pass
   int pause_ = 0, steps_to_pause_ = 0;
   ExecutionCounts executions_;
 };
@@ -163,15 +162,15 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
   Kokkos::parallel_for("ricochet::unite_overlapping", Range<Space>(space, 0, n),
                        FindOverlapping<Space, Real, periodic, UniteOverlapping<Space>>{
                            state, state.neighbours(), {participants_.forest, participants_.calls}});
-  work_ = 0;
+  int work = 0; // discs that are executed or verified, in each pass
   bool any_crowd = false;
   int begin = 0, end = 0; // of the numbers of a pass
   for (int pass = 1;; ++pass) {
     end = begin + participants_.list_called(space, pass);
     if (end == begin)
       break;
-    work_ += end - begin;
-    if (execution_ == Execution::automatic && is_too_much(pass, n)) {
+    work += end - begin;
+    if (execution_ == Execution::automatic && is_too_much(pass, work, n)) {
       participants_.dissolve(space);
       return not_done;
     }
@@ -192,9 +191,9 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
       execute_crowd(space, contact, counts.crowd_island, begin, end);
       counts = value_after(space, participants.counts);
       any_crowd = true;
-      work_ += n / crowd_part;
+      work += n / crowd_part;
     }
-    work_ += pass == 1 ? 0 : counts.far;
+    work += pass == 1 ? 0 : counts.far;
     verify(space, state, participants, UniteIslands<Space, Real>{participants, pass}, pass, begin,
            end, counts.far);
     begin = end;
