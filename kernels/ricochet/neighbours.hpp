@@ -174,63 +174,40 @@ class Neighbours {
       else
         return close;
     };
-    for_each_that<rows, by_id>(runs, near, [&](int k) {
-      visit(k, domain.separation(p, {x[k], y[k]}));
-    });
+    for_each_that<rows>(runs, near, [&](int k) { visit(k, domain.separation(p, {x[k], y[k]})); });
   }
 
-  /// Visits those of the first `rows` runs, 2 or 3, that pass a test. `crowded`: whether runs
-  /// longer than a search reads at once are the rule.
-  template <int rows, bool crowded = false, class Test, class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_that(Runs const& runs, Test const test,
-                                            Visit const& visit) const
+  /// Visits those of the first `rows` runs, 2 or 3, that pass a test.
+  template <int rows, class Test, class Visit>
+  KOKKOS_INLINE_FUNCTION void for_each_that(Runs runs, Test const test, Visit const& visit) const
   {
     // The start of each run at once, and without a branch: what costs is mispredicted branches. The
     // arrays are padded, so that so many can always be read. Written out for each run, or compilers
     // do not find the vectors in it.
     constexpr int width = Discs<Space, Real>::padding;
-    int const begin_0 = runs.begin[0], begin_1 = runs.begin[1];
-    int const size_0 = runs.end[0] - begin_0, size_1 = runs.end[1] - begin_1;
-    int const begin_2 = rows > 2 ? runs.begin[2] : 0, size_2 = rows > 2 ? runs.end[2] - begin_2 : 0;
-    unsigned hits = 0;
+    for (bool any_longer = true; any_longer;) {
+      int const begin_0 = runs.begin[0], begin_1 = runs.begin[1];
+      int const size_0 = runs.end[0] - begin_0, size_1 = runs.end[1] - begin_1;
+      int const begin_2 = rows > 2 ? runs.begin[2] : 0;
+      int const size_2 = rows > 2 ? runs.end[2] - begin_2 : 0;
+      unsigned hits = 0;
 #pragma omp simd reduction(| : hits)
-    for (int lane = 0; lane < width; ++lane) {
-      hits |= (test(begin_0 + lane) & (lane < size_0)) ? 1u << lane : 0u;
-      hits |= (test(begin_1 + lane) & (lane < size_1)) ? 1u << width << lane : 0u;
-      if constexpr (rows > 2)
-        hits |= (test(begin_2 + lane) & (lane < size_2)) ? 1u << 2 * width << lane : 0u;
-    }
-    while (hits != 0) {
-      int const bit = lowest_bit(hits);
-      hits &= hits - 1;
-      visit(runs.begin[bit / width] + bit % width);
-    }
-    if (size_0 <= width && size_1 <= width && size_2 <= width)
-      return;
-    for (int row = 0; row < rows; ++row)
-      for_each_from<crowded>(runs.begin[row] + width, runs.end[row], test, visit);
-  }
-
-  /// Visits those of the slots begin...end - 1 that pass a test.
-  template <bool crowded, class Test, class Visit>
-  KOKKOS_INLINE_FUNCTION void for_each_from(int begin, int end, Test const test,
-                                            Visit const& visit) const
-  {
-    if constexpr (crowded) {
-      constexpr int width = Discs<Space, Real>::padding;
-      for (; begin < end; begin += width) {
-        int const size = end - begin;
-        unsigned hits = 0;
-#pragma omp simd reduction(| : hits)
-        for (int lane = 0; lane < width; ++lane)
-          hits |= (test(begin + lane) & (lane < size)) ? 1u << lane : 0u;
-        for (; hits != 0; hits &= hits - 1)
-          visit(begin + lowest_bit(hits));
+      for (int lane = 0; lane < width; ++lane) {
+        hits |= (test(begin_0 + lane) & (lane < size_0)) ? 1u << lane : 0u;
+        hits |= (test(begin_1 + lane) & (lane < size_1)) ? 1u << width << lane : 0u;
+        if constexpr (rows > 2)
+          hits |= (test(begin_2 + lane) & (lane < size_2)) ? 1u << 2 * width << lane : 0u;
       }
-    } else {
-      for (; begin < end; ++begin)
-        if (test(begin))
-          visit(begin);
+      while (hits != 0) {
+        int const bit = lowest_bit(hits);
+        hits &= hits - 1;
+        visit(runs.begin[bit / width] + bit % width);
+      }
+      any_longer = size_0 > width || size_1 > width || size_2 > width;
+      for (int row = 0; row < rows && any_longer; ++row) {
+        int const next = runs.begin[row] + width;
+        runs.begin[row] = next < runs.end[row] ? next : runs.end[row];
+      }
     }
   }
 

@@ -282,7 +282,7 @@ template <class LawType, bool periodic>
 void OrderedPairs<Space, Real>::execute_in_order(
     Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int island)
 {
-  strays_.clear(space);
+  strays_.clear(space, contact.state.cell);
   auto const id = contact.state.discs.id;
   auto const slot_of_id = strays_.slot_of_id;
   Kokkos::parallel_for(

@@ -3,34 +3,38 @@
 
 #include "ricochet/sweep_islands.hpp"
 
+#include <cstdint>
+
 namespace ricochet {
 
-/// Discs that were pushed too far from the cell they are stored in to be found there: lists by the
-/// cell they are in now.
+/// Which cell each disc is in now, and lists of the strays: discs that were pushed too far from the
+/// cell they are stored in to be found there.
 template <class Space>
 struct Strays {
   using Ints = Kokkos::View<int*, Space>;
   static constexpr int not_astray = -2, none = -1;
 
-  Ints first; ///< in each cell, or none
+  Ints cell;  ///< where each disc is, by slot; a stray is in the list of that cell
+  Ints first; ///< in each cell's list, or none
   Ints next;  ///< after each slot in its list, none, or not_astray
-  Ints cell;  ///< which list that is
   Ints slot_of_id;
   /// Whether there ever was one in each cell or around it.
   Kokkos::View<char*, Space> near;
 
   template <class Real>
   explicit Strays(CellGrid<Space, Real> const& grid)
-    : first(uninitialised<Ints>("ricochet::first_stray", grid.cells().count())),
+    : cell(grid.more_scratch()),
+      first(uninitialised<Ints>("ricochet::first_stray", grid.cells().count())),
       next(grid.scratch()),
-      cell(grid.more_scratch()),
       slot_of_id(uninitialised<Ints>("ricochet::slot_of_id", next.extent(0))),
       near("ricochet::strays_near_cell", grid.cells().count())
   {
   }
 
-  void clear(Space const& space) const
+  /// Puts all discs into the cells they are stored in.
+  void clear(Space const& space, Ints const& stored) const
   {
+    Kokkos::deep_copy(space, cell, stored);
     Kokkos::deep_copy(space, first, none);
     Kokkos::deep_copy(space, near, char{0});
     Kokkos::deep_copy(space, next, not_astray);
@@ -38,9 +42,9 @@ struct Strays {
 
   KOKKOS_INLINE_FUNCTION bool is_astray(int slot) const { return next(slot) != not_astray; }
 
-  /// Notes that disc `slot` is now in cell `now`.
+  /// Notes that disc `slot` is now in cell `now`, as a stray.
   template <bool periodic>
-  KOKKOS_INLINE_FUNCTION void move(int slot, int now, Cells<Space> const& cells) const
+  KOKKOS_INLINE_FUNCTION void stray(int slot, int now, Cells<Space> const& cells) const
   {
     if (is_astray(slot)) {
       if (cell(slot) == now)
@@ -96,27 +100,32 @@ class ResolveInOrder {
   }
 
  private:
-  /// The partners of a row that come next: the lowest ids above those done so far.
-  struct Batch {
-    static constexpr int capacity = 16;
-    int id[capacity], slot[capacity];
-    int size = 0;
+  /// The partners of a row that come next: the lowest ids above those done so far, with their
+  /// slots, in order. They are few, and how they are put in order depends on how many, not on which
+  /// they are: what costs is mispredicted branches.
+  class Batch {
+   public:
+    KOKKOS_INLINE_FUNCTION int size() const { return size_; }
+    KOKKOS_INLINE_FUNCTION bool is_full() const { return size_ == capacity; }
+    KOKKOS_INLINE_FUNCTION int id(int k) const { return static_cast<int>(entry_[k] >> 32); }
+    KOKKOS_INLINE_FUNCTION int slot(int k) const { return static_cast<int>(entry_[k]); }
 
     KOKKOS_INLINE_FUNCTION void insert(int new_id, int new_slot)
     {
-      int at = size;
-      while (at > 0 && id[at - 1] > new_id)
-        --at;
-      if (at == capacity)
-        return;
-      size = size < capacity ? size + 1 : capacity;
-      for (int k = size - 1; k > at; --k) {
-        id[k] = id[k - 1];
-        slot[k] = slot[k - 1];
+      auto higher = static_cast<std::uint64_t>(new_id) << 32 | static_cast<std::uint64_t>(new_slot);
+      for (int k = 0; k < size_; ++k) {
+        std::uint64_t const here = entry_[k];
+        entry_[k] = here < higher ? here : higher;
+        higher = here < higher ? higher : here;
       }
-      id[at] = new_id;
-      slot[at] = new_slot;
+      if (size_ < capacity)
+        entry_[size_++] = higher;
     }
+
+   private:
+    static constexpr int capacity = 16;
+    std::uint64_t entry_[capacity]; ///< id, slot
+    int size_ = 0;
   };
 
   KOKKOS_INLINE_FUNCTION bool takes_part(int slot) const
@@ -129,22 +138,31 @@ class ResolveInOrder {
 
   KOKKOS_INLINE_FUNCTION void resolve_row(int id, int slot) const
   {
-    auto const& participants = contact_.participants;
-    auto& i = participants(participants.number(slot));
     int done = id;
     for (bool more = true; more;) {
       Batch batch;
       for_partners(slot, done, [&](int k) { batch.insert(contact_.state.discs.id(k), k); });
-      for (int k = 0; k < batch.size; ++k) {
-        int const j = participants.number(batch.slot[k]);
-        Real const push = contact_(i, participants(j));
-        if (island_ != everyone)
-          participants.note_push(j, id, static_cast<double>(push));
-        follow(batch.slot[k], participants(j).position);
-      }
-      more = batch.size == Batch::capacity;
-      done = more ? batch.id[batch.size - 1] : done;
+      if (batch.size() > 0)
+        resolve(id, slot, batch);
+      more = batch.is_full();
+      done = more ? batch.id(batch.size() - 1) : done;
     }
+  }
+
+  /// The next contacts of a row. Only the velocity of its disc changes, which is kept at hand.
+  KOKKOS_INLINE_FUNCTION void resolve(int id, int slot, Batch const& batch) const
+  {
+    auto const& participants = contact_.participants;
+    auto& own = participants(participants.number(slot));
+    auto i = own;
+    for (int k = 0; k < batch.size(); ++k) {
+      int const j = participants.number(batch.slot(k));
+      Real const push = contact_(i, participants(j));
+      if (island_ != everyone)
+        participants.note_push(j, id, static_cast<double>(push));
+      follow(batch.slot(k), participants(j).position);
+    }
+    own.velocity = i.velocity;
   }
 
   /// Calls visit(slot) for every disc with an id above `above` that overlaps disc `i` now.
@@ -154,7 +172,7 @@ class ResolveInOrder {
     auto const& state = contact_.state;
     auto const p = state.spare.position(i);
     Real const reach2 = state.diameter * state.diameter;
-    int const cell = state.cells.at(p);
+    int const cell = strays_.cell(i);
     neighbours_.for_each_around_above(cell, p, reach2, above, [&](int k, Vec2<Real>) {
       if (takes_part(k) && !strays_.is_astray(k))
         visit(k);
@@ -177,11 +195,18 @@ class ResolveInOrder {
     auto const& cells = contact_.state.cells;
     int const now = cells.at(p), stored = contact_.state.cell(j);
     bool const astray = strays_.is_astray(j);
-    if (now == stored && !astray)
-      return;
-    if (astray || cells.x.cells_away(static_cast<double>(p.x), cells.column(stored)) > slack_x_ ||
-        cells.y.cells_away(static_cast<double>(p.y), cells.row(stored)) > slack_y_)
-      strays_.template move<periodic>(j, now, cells);
+    if (astray || (now != stored && is_too_far(p, stored)))
+      strays_.template stray<periodic>(j, now, cells);
+    else
+      strays_.cell(j) = now;
+  }
+
+  /// Whether a disc at `p` is not found in the cell `stored`.
+  KOKKOS_INLINE_FUNCTION bool is_too_far(Vec2<Real> p, int stored) const
+  {
+    auto const& cells = contact_.state.cells;
+    return cells.x.cells_away(static_cast<double>(p.x), cells.column(stored)) > slack_x_ ||
+           cells.y.cells_away(static_cast<double>(p.y), cells.row(stored)) > slack_y_;
   }
 
   OrderedContact<Space, Real, LawType, periodic> contact_;
