@@ -23,21 +23,29 @@ struct Totals {
   }
 };
 
-/// Adds up kinetic energy, potential energy g (y + H/2) and momentum.
+/// Adds up kinetic energy, potential energy g (y + H/2) and momentum, of a block of discs at a
+/// time.
 template <class Space, class Real>
 struct AddUp {
+  static constexpr int block = block_on_host<Space, 256>;
+  static_assert(block <= ExactSum::few, "their sums must not need to carry");
+
   Discs<Space, Real> discs;
   double gravity, floor_y;
   Scales scales;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int i, Totals& totals) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b, Totals& totals) const
   {
-    auto const v = as<double>(discs.velocity(i));
-    auto const p = as<double>(discs.position(i));
-    totals.kinetic.add(kinetic_energy(v), scales.energy);
-    totals.potential.add(gravity * (p.y - floor_y), scales.energy);
-    totals.momentum_x.add(v.x, scales.momentum);
-    totals.momentum_y.add(v.y, scales.momentum);
+    Totals own;
+    for_each_in_block(b, block, discs.count(), [&](int i) {
+      auto const v = as<double>(discs.velocity(i));
+      auto const p = as<double>(discs.position(i));
+      own.kinetic.add_one_of_few(kinetic_energy(v), scales.energy);
+      own.potential.add_one_of_few(gravity * (p.y - floor_y), scales.energy);
+      own.momentum_x.add_one_of_few(v.x, scales.momentum);
+      own.momentum_y.add_one_of_few(v.y, scales.momentum);
+    });
+    totals.merge(own);
   }
 };
 
@@ -47,9 +55,10 @@ Totals totals(Space const& space, Discs<Space, Real> const& discs, Model const& 
               Scales const& scales)
 {
   Kokkos::View<Totals, Space> result("ricochet::totals");
-  Kokkos::parallel_reduce("ricochet::add_up", Range<Space>(space, 0, discs.count()),
-                          AddUp<Space, Real>{discs, model.gravity, -model.box.height / 2, scales},
-                          Merge<Totals, Space>(result));
+  using Add = AddUp<Space, Real>;
+  Kokkos::parallel_reduce(
+      "ricochet::add_up", Range<Space>(space, 0, blocks_of(Add::block, discs.count())),
+      Add{discs, model.gravity, -model.box.height / 2, scales}, Merge<Totals, Space>(result));
   return value_after(space, result);
 }
 

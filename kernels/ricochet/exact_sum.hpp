@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -12,10 +13,10 @@ namespace ricochet {
 
 /// A sum of real numbers in fixed point of 115 bits.
 ///
-/// Each term is cut to a whole number of quanta (1/scale, a power of two) and added as an integer,
-/// so any order, grouping or number of threads gives the same bits. With the scale of power_scale()
-/// a term is cut at 2^-80 of the reference size and the sum may grow to 2^34 times it; a term that
-/// leaves that range, or is not finite, makes the sum NaN.
+/// Each term is rounded to a whole number of quanta (1/scale, a power of two) and added as an
+/// integer, so any order, grouping or number of threads gives the same bits. With the scale of
+/// power_scale() a quantum is 2^-80 of the reference size; a term may be 2^22 times that size and
+/// the sum may grow to 2^34 times it. A larger term, or one that is not finite, makes the sum NaN.
 struct ExactSum {
   std::int64_t high = 0;         ///< in units of 2^52 quanta
   std::int64_t low = 0;          ///< quanta, 0 ... 2^52 - 1
@@ -24,17 +25,25 @@ struct ExactSum {
   /// Adds `value`; every term of a sum must come with the same `scale`.
   KOKKOS_FORCEINLINE_FUNCTION void add(double value, double scale)
   {
-    double const quanta = value * scale;
-    constexpr double most = unit * unit * 1024; // 2^114
-    if (!(quanta < most && quanta > -most)) {
-      ++out_of_range;
-      return;
-    }
-    // Both digits of a number of 53 bits are exact, and have its sign.
-    auto const digit = static_cast<std::int64_t>(quanta * (1 / unit));
-    high += digit;
-    low += static_cast<std::int64_t>(quanta - static_cast<double>(digit) * unit);
+    add_one_of_few(value, scale);
     carry();
+  }
+
+  /// Most terms that a sum may get by add_one_of_few() before it is merged into another.
+  static constexpr int few = 1024;
+
+  /// The same for a sum of a few terms. It has no branch, and one term does not wait for the one
+  /// before, so that compilers can add several at a time.
+  KOKKOS_FORCEINLINE_FUNCTION void add_one_of_few(double value, double scale)
+  {
+    constexpr double most = unit * unit / 4; // both digits are below 2^51
+    double const quanta = value * scale;
+    bool const fits = quanta < most && quanta > -most;
+    double const in_range = fits ? quanta : 0;
+    out_of_range += fits ? 0 : 1;
+    Rounded const digit(in_range * (1 / unit)), rest(in_range - digit.value * unit);
+    high += digit.integer;
+    low += rest.integer;
   }
 
   KOKKOS_INLINE_FUNCTION void merge(ExactSum const& other)
@@ -64,6 +73,23 @@ struct ExactSum {
  private:
   static constexpr int bits = 52;
   static constexpr double unit = 4503599627370496.0; ///< 2^52
+
+  /// A number of up to 2^51 rounded to an integer. Between 2^52 and 2^53 doubles are a unit apart,
+  /// so adding 1.5 2^52 rounds it and leaves the integer in the lower bits.
+  struct Rounded {
+    std::int64_t integer;
+    double value;
+
+    explicit KOKKOS_FORCEINLINE_FUNCTION Rounded(double number)
+    {
+      constexpr double shift = 1.5 * unit;
+      constexpr std::int64_t bits_of_shift = 0x4338000000000000;
+      double const shifted = number + shift;
+      memcpy(&integer, &shifted, sizeof integer);
+      integer -= bits_of_shift;
+      value = shifted - shift;
+    }
+  };
 
   KOKKOS_INLINE_FUNCTION void carry()
   {

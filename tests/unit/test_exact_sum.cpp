@@ -70,12 +70,46 @@ TEST(ExactSum, HoldsSumsFarLargerThanTheirTerms)
 {
   double const scale = power_scale(1);
   ExactSum total;
-  total.add(0x1p+30, scale);
-  for (int k = 0; k < 5; ++k) {
+  total.add(0x1p+20, scale);
+  for (int k = 0; k < 15; ++k) {
     auto const copy = total;
     total.merge(copy);
   }
   EXPECT_EQ(total.value(scale), 0x1p+35);
+}
+
+// With quanta of 1. From 2^52 on every double is whole, and all up to the largest term are exact.
+TEST(ExactSum, RoundsATermToTheNearestQuantum)
+{
+  Random random(22);
+  std::vector<double> terms{0.0,  -0.0,           0.5,           1.5,    -0.5,
+                            -1.5, 0x1p+51 - 0.25, 0x1p+51 + 0.5, 0x1p+52};
+  for (int exponent = -3; exponent < 102; ++exponent)
+    for (int k = 0; k < 100; ++k)
+      terms.push_back(std::ldexp(random.between(-1, 1), exponent));
+  for (double const term : terms)
+    EXPECT_EQ(sum({term}, 1), std::nearbyint(term)) << term;
+}
+
+TEST(ExactSum, IsTheSameOfFewTermsAtATime)
+{
+  Random random(23);
+  double const largest = 0x1p+101; // whose digits are the longest
+  for (double const size : {1.0, 0x1p+52, largest}) {
+    ExactSum one_by_one, together;
+    for (int block = 0; block < 5; ++block) {
+      ExactSum own;
+      for (int k = 0; k < ExactSum::few; ++k) {
+        double const term = block < 3 ? random.between(-size, size) : block == 3 ? size / 2 : -size;
+        one_by_one.add(term, 1);
+        own.add_one_of_few(term, 1);
+      }
+      together.merge(own);
+      EXPECT_EQ(together.high, one_by_one.high);
+      EXPECT_EQ(together.low, one_by_one.low);
+      EXPECT_EQ(together.out_of_range, 0);
+    }
+  }
 }
 
 TEST(ExactSum, SaysSoWhenATermIsNotANumberOrTooLarge)
@@ -85,6 +119,8 @@ TEST(ExactSum, SaysSoWhenATermIsNotANumberOrTooLarge)
   EXPECT_TRUE(std::isnan(sum({1, HUGE_VAL}, scale)));
   EXPECT_TRUE(std::isnan(sum({1, -HUGE_VAL}, scale)));
   EXPECT_TRUE(std::isnan(sum({1, 1e30}, scale)));
+  EXPECT_TRUE(std::isnan(sum({0x1p+102}, 1)));
+  EXPECT_TRUE(std::isnan(sum({-0x1p+102}, 1)));
   ExactSum bad, good;
   bad.add(std::nan(""), scale);
   good.add(1, scale);
