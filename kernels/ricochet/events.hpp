@@ -411,7 +411,7 @@ std::string EventDriven<Space, Real>::description(Stuck<Real> const& stuck) cons
 template <class Space, class Real>
 Report EventDriven<Space, Real>::report()
 {
-  search_.inspect(space_, discs_, inspection_, window_);
+  search_.inspect(space_, discs_, inspection_);
   auto report = books_.report(space_, discs_);
   report.windows = windows_;
   inspection_.enter(report);

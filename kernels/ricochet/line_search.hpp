@@ -85,10 +85,9 @@ class LineSearch {
   }
 
   /// Enters the state in an inspection.
-  void inspect(Space const& space, Discs<Space, Real>& discs, Inspection<Space, Real>& inspection,
-               double length)
+  void inspect(Space const& space, Discs<Space, Real>& discs, Inspection<Space, Real>& inspection)
   {
-    if (has_listed_ && !must_sort(length) && memory_.has_room(counts_.candidates)) {
+    if (has_all_that_meet()) {
       inspection.note(inspection.extremes(space, discs),
                       is_periodic(model_.box) ? closest_candidates<true>(space, discs)
                                               : closest_candidates<false>(space, discs));
@@ -115,6 +114,13 @@ class LineSearch {
   static constexpr int longest_ahead = 32;
   /// On a periodic axis, images of a disc on either side that others are compared with.
   static constexpr int most_images = 8;
+
+  /// Whether all discs that may have come together since they were sorted are candidates. Once the
+  /// list is used up, at the horizon, it still tells.
+  bool has_all_that_meet() const
+  {
+    return is_sorted_ && has_listed_ && is_near(travel_) && memory_.has_room(counts_.candidates);
+  }
 
   double longest_path(double length) const
   {

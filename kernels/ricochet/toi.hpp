@@ -220,7 +220,7 @@ void TimeOfImpact<Space, Real>::fly()
 template <class Space, class Real>
 Report TimeOfImpact<Space, Real>::report()
 {
-  search_.inspect(space_, discs_, inspection_, dt_);
+  search_.inspect(space_, discs_, inspection_);
   auto report = books_.report(space_, discs_);
   inspection_.enter(report);
   return report;
