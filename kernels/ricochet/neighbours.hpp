@@ -156,8 +156,8 @@ class Neighbours {
     visit(runs);
   }
 
-  /// Visits those of the first `rows` runs, 2 or 3, that are near `p`; by id where discs are
-  /// crowded, for the loop in order.
+  /// Visits those of the first `rows` runs, 2 or 3, that are near `p`; with `by_id`, only those of
+  /// them whose id is above `above`.
   template <int rows, bool by_id, class Ends, class Visit>
   KOKKOS_INLINE_FUNCTION void for_each_in(Ends const& ends, Runs const& runs, Vec2<Real> p,
                                           Real reach2, int above, Visit const& visit) const

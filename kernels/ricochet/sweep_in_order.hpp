@@ -142,7 +142,7 @@ class ResolveInOrder {
     for (bool more = true; more;) {
       Batch batch;
       for_partners(slot, done, [&](int k) { batch.insert(contact_.state.discs.id(k), k); });
-      if (batch.size() > 0)
+      if (batch.size() > 0) // or a row without partners would wait for its disc
         resolve(id, slot, batch);
       more = batch.is_full();
       done = more ? batch.id(batch.size() - 1) : done;
