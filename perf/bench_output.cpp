@@ -30,7 +30,7 @@ namespace {
 using namespace ricochet;
 using namespace ricochet::driver;
 
-constexpr int rounds = 11;
+constexpr int rounds = 31;
 
 /// Seconds on the wall, and of all processors together.
 struct Seconds {
@@ -66,21 +66,6 @@ struct Times {
   /// In percent.
   double extra() const { return 100 * (ours / plain - 1); }
   double median_extra() const { return 100 * (median() - 1); }
-};
-
-/// Has two things take turns.
-struct Comparison {
-  Times wall, processor;
-
-  template <class Plain, class Ours>
-  Comparison(Plain const& one, Ours const& other)
-  {
-    for (int round = 0; round < rounds; ++round) {
-      Seconds const a = seconds(one), b = seconds(other);
-      wall.add(a.wall, b.wall);
-      processor.add(a.processor, b.processor);
-    }
-  }
 };
 
 TrajectoryHeader header_for(perf::Gas const& gas, std::string const& path, std::int64_t frames)
@@ -132,15 +117,18 @@ void compare_bandwidth(std::string const& folder, int discs)
   constexpr std::uint64_t amount = 160 << 20;
   std::uint64_t const frame = gas.discs.size() * 4 * sizeof(double); // as much as there is in it
   auto const frames = static_cast<std::int64_t>(amount / frame);
-  Times const times =
-      Comparison([&] { write_plainly(plain, amount); }, [&] { write_frames(gas, path, frames); })
-          .wall;
+  Times times;
+  for (int round = 0; round < rounds; ++round) {
+    Seconds const a = seconds([&] { write_plainly(plain, amount); });
+    Seconds const b = seconds([&] { write_frames(gas, path, frames); });
+    times.add(a.wall, b.wall);
+    ::unlink(path.c_str()); // to free the memory of a file takes as long as to write it
+    ::unlink(plain.c_str());
+  }
   std::printf("| %d | %s | %.0f | %.0f | %.0f %% | %.0f %% |\n", discs, folder.c_str(),
               static_cast<double>(amount) / 1e6 / times.plain,
               static_cast<double>(amount) / 1e6 / times.ours, 100 * times.plain / times.ours,
               100 / times.median());
-  ::unlink(path.c_str());
-  ::unlink(plain.c_str());
 }
 
 // What a frame costs the thread that writes it: processor time, in which others take no part.
@@ -170,8 +158,8 @@ void time_writing(std::string const& folder, int discs)
               median(appends), median(flushes));
 }
 
-// What frames cost the steps, once the file is there. The steps of a round end when its frames are
-// written.
+// What frames cost the steps amid a run: the frame before is still to be written when time begins
+// to count, as the last one is when it ends.
 void compare_stepping(std::string const& folder, EngineKind kind, double q, std::int64_t stride,
                       Placement placement)
 {
@@ -188,35 +176,43 @@ void compare_stepping(std::string const& folder, EngineKind kind, double q, std:
   engine->advance(50);
   Checkpoint const start = engine->checkpoint();
   std::string const path = folder + "/bench_output.h5md";
-  constexpr std::int64_t frames = 10;
-  auto const steps = [&](auto const& write_frame) {
-    engine->restore(start); // the gas would cool and fall
-    for (std::int64_t k = 0; k < frames; ++k) {
-      engine->advance(stride);
-      Kokkos::fence();
-      write_frame();
-    }
+  constexpr std::int64_t frames = 4;
+  auto const time_steps = [&](auto const& write_frame) {
+    return seconds([&] {
+      for (std::int64_t k = 0; k < frames; ++k) {
+        engine->advance(stride);
+        Kokkos::fence();
+        write_frame();
+      }
+    });
   };
-  TrajectoryFile file(header_for(gas, path, rounds * frames));
+  TrajectoryFile file(header_for(gas, path, rounds * (frames + 1)));
   FrameWriter writer(file, discs);
-  Comparison const times([&] { steps([] {}); },
-                         [&] {
-                           steps([&] {
-                             auto frame = writer.borrow();
-                             frame->report = engine->report();
-                             engine->states(frame->states.data());
-                             writer.submit(std::move(frame));
-                           });
-                           writer.flush();
-                         });
+  auto const write_frame = [&] {
+    auto frame = writer.borrow();
+    frame->report = engine->report();
+    engine->states(frame->states.data());
+    writer.submit(std::move(frame));
+  };
+  Times wall, processor;
+  for (int round = 0; round < rounds; ++round) {
+    engine->restore(start); // the gas would cool and fall
+    Seconds const plain = time_steps([] {});
+    engine->restore(start);
+    write_frame();
+    Seconds const ours = time_steps(write_frame);
+    writer.flush();
+    wall.add(plain.wall, ours.wall);
+    processor.add(plain.processor, ours.processor);
+  }
   writer.finish();
   file.close();
   ::unlink(path.c_str());
   std::printf("| `%s` | %g | %lld | %s x%d | %s | %.1f | %.1f | %+.1f %% | %+.1f %% | %+.1f %% |\n",
               name(kind), q, static_cast<long long>(stride), engine->backend().c_str(),
-              engine->threads(), folder.c_str(), 1e3 * times.wall.plain / frames,
-              1e3 * times.wall.ours / frames, times.wall.extra(), times.wall.median_extra(),
-              times.processor.median_extra());
+              engine->threads(), folder.c_str(), 1e3 * wall.plain / frames,
+              1e3 * wall.ours / frames, wall.extra(), wall.median_extra(),
+              processor.median_extra());
 }
 
 } // namespace
