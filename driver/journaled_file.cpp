@@ -268,6 +268,7 @@ struct JournaledFile {
     clear_journal(journal);
     change.pages.clear();
     old_pages = (change.size + page_size - 1) / page_size;
+    to_disk = std::min(to_disk, change.size); // frames that were cut off are written anew
   }
 };
 
