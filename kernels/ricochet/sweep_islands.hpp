@@ -249,9 +249,21 @@ void verify(Space const& space, PairState<Space, Real, periodic> const& state,
 /// and lets them go.
 template <class Space, class Real, class LawType, bool periodic>
 struct Conclude {
-  OrderedContact<Space, Real, LawType, periodic> contact;
+  static constexpr int block = block_on_host<Space, 256>;
+  static_assert(block <= ExactSum::few, "their sums must not need to carry");
 
-  KOKKOS_INLINE_FUNCTION void operator()(int k, Books& books) const
+  OrderedContact<Space, Real, LawType, periodic> contact;
+  int numbers; ///< that were given
+
+  KOKKOS_INLINE_FUNCTION void operator()(int b, Books& books) const
+  {
+    Books own;
+    for_each_in_block(b, block, numbers, [&](int k) { conclude(k, own); });
+    books.merge(own);
+  }
+
+ private:
+  KOKKOS_FORCEINLINE_FUNCTION void conclude(int k, Books& books) const
   {
     auto const& own = contact.participants(k);
     int const slot = own.slot;
@@ -262,12 +274,13 @@ struct Conclude {
     auto const& state = contact.state;
     // The sum over a disc's contacts, of energy before less energy after, telescopes; so does that
     // over its pushes.
-    books.lost_pairs.add(kinetic_energy(state.discs.velocity(slot)) - kinetic_energy(own.velocity),
-                         state.scales.energy);
+    books.lost_pairs.add_one_of_few(kinetic_energy(state.discs.velocity(slot)) -
+                                        kinetic_energy(own.velocity),
+                                    state.scales.energy);
     double const rise =
         static_cast<double>(own.position.y) - static_cast<double>(state.discs.y(slot));
-    books.numerical.add(state.gravity * rise, state.scales.energy);
-    books.virial.add(own.tally.virial, state.scales.virial);
+    books.numerical.add_one_of_few(state.gravity * rise, state.scales.energy);
+    books.virial.add_one_of_few(own.tally.virial, state.scales.virial);
     books.collisions += own.tally.received;
     books.separating_hits += own.tally.separating;
     double const deepest = overlap(own.tally.closest, state.diameter);
