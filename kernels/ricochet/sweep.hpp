@@ -143,9 +143,10 @@ void OrderedPairs<Space, Real>::resolve(Space const& space,
   }
   if (end == not_done)
     end = resolve_in_order(space, state, law);
-  using End = Conclude<Space, Real, LawType, periodic>;
-  Kokkos::parallel_reduce("ricochet::conclude", Range<Space>(space, 0, blocks_of(End::block, end)),
-                          End{{state, participants_, law}, end}, Merge<Books, Space>(part_));
+  using Finish = Conclude<Space, Real, LawType, periodic>;
+  Kokkos::parallel_reduce("ricochet::conclude",
+                          Range<Space>(space, 0, blocks_of(Finish::block, end)),
+                          Finish{{state, participants_, law}, end}, Merge<Books, Space>(part_));
   enter<Space>(space, state.books, part_);
 }
 

@@ -246,7 +246,7 @@ void verify(Space const& space, PairState<Space, Real, periodic> const& state,
 }
 
 /// Ends a pair step: takes over what was done to the discs that had contacts, makes up the books,
-/// and lets them go.
+/// and lets them go, a block of them at a time.
 template <class Space, class Real, class LawType, bool periodic>
 struct Conclude {
   static constexpr int block = block_on_host<Space, 256>;
