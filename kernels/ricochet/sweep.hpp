@@ -111,7 +111,7 @@ class OrderedPairs {
                      int begin, int end);
   template <class LawType, bool periodic>
   void execute_in_order(Space const& space,
-                        OrderedContact<Space, Real, LawType, periodic> const& contact, int island);
+                        OrderedContact<Space, Real, LawType, periodic> const& contact, bool notes);
 
  private:
   Execution execution_;
@@ -244,12 +244,14 @@ void OrderedPairs<Space, Real>::execute_crowd(
           participants.chains.append(crowd, k);
         });
       });
+  using Resolve = ResolveInOrder<Space, Real, LawType, periodic>;
+  Kokkos::deep_copy(space, spare.x, Resolve::nowhere);
   Kokkos::parallel_for(
       "ricochet::begin_crowd", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int k) {
         if (participants(k).island == crowd)
           spare.set_position(participants(k).slot, participants(k).position);
       });
-  execute_in_order(space, contact, crowd);
+  execute_in_order(space, contact, true);
   Kokkos::parallel_for(
       "ricochet::forget_crowd", Range<Space>(space, 0, 1),
       KOKKOS_LAMBDA(int) { participants.forget_crowd(); });
@@ -271,17 +273,16 @@ int OrderedPairs<Space, Real>::resolve_in_order(Space const& space,
         participants.begin(state, slot, slot);
         state.spare.set_position(slot, state.discs.position(slot));
       });
-  using Resolve = ResolveInOrder<Space, Real, LawType, periodic>;
-  execute_in_order(space, contact, Resolve::everyone);
+  execute_in_order(space, contact, false);
   ++executions_.in_order;
   return n;
 }
 
-/// Executes the loop as it is written, for everyone or for an island.
+/// Executes the loop as it is written, for those whose places are in the spare memory.
 template <class Space, class Real>
 template <class LawType, bool periodic>
 void OrderedPairs<Space, Real>::execute_in_order(
-    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, int island)
+    Space const& space, OrderedContact<Space, Real, LawType, periodic> const& contact, bool notes)
 {
   strays_.clear(space, contact.state.cell);
   auto const id = contact.state.discs.id;
@@ -290,7 +291,7 @@ void OrderedPairs<Space, Real>::execute_in_order(
       "ricochet::find_ids", Range<Space>(space, 0, contact.state.discs.count()),
       KOKKOS_LAMBDA(int slot) { slot_of_id(id(slot)) = slot; });
   Kokkos::parallel_for("ricochet::resolve_in_order", Range<Space>(space, 0, 1),
-                       ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, island));
+                       ResolveInOrder<Space, Real, LawType, periodic>(contact, strays_, notes));
 }
 
 } // namespace ricochet

@@ -69,19 +69,20 @@ struct Strays {
 
 /// All rows in order, of the discs that take part. A disc's row looks for its partners once: no
 /// pair of the row moves the disc, or another of its partners, before that partner's turn. The
-/// places of all who take part are kept in the spare memory too, where they are found.
+/// places of all who take part are kept in the spare memory too, where they are found; those of
+/// others are `nowhere` there, which is not near anything.
 template <class Space, class Real, class LawType, bool periodic>
 class ResolveInOrder {
  public:
-  static constexpr int everyone = -1;
+  static constexpr Real nowhere = std::numeric_limits<Real>::infinity(); ///< as x, with any y
 
-  /// The discs of an island, whose pushes are noted; or `everyone`.
+  /// With `notes`, pushes are noted.
   ResolveInOrder(OrderedContact<Space, Real, LawType, periodic> const& contact,
-                 Strays<Space> const& strays, int island)
+                 Strays<Space> const& strays, bool notes)
     : contact_(contact),
       neighbours_(contact.state.neighbours_among(contact.state.spare)),
       strays_(strays),
-      island_(island)
+      notes_(notes)
   {
     auto const& state = contact.state;
     double const reach = neighbours_.margin(static_cast<double>(state.diameter));
@@ -94,7 +95,7 @@ class ResolveInOrder {
     int const n = contact_.state.discs.count();
     for (int id = 0; id < n; ++id) {
       int const slot = strays_.slot_of_id(id);
-      if (takes_part(slot))
+      if (contact_.state.spare.x(slot) != nowhere)
         resolve_row(id, slot);
     }
   }
@@ -128,14 +129,6 @@ class ResolveInOrder {
     int size_ = 0;
   };
 
-  KOKKOS_INLINE_FUNCTION bool takes_part(int slot) const
-  {
-    if (island_ == everyone)
-      return true;
-    int const k = contact_.participants.number(slot);
-    return k >= 0 && contact_.participants(k).island == island_;
-  }
-
   KOKKOS_INLINE_FUNCTION void resolve_row(int id, int slot) const
   {
     int done = id;
@@ -158,7 +151,7 @@ class ResolveInOrder {
     for (int k = 0; k < batch.size(); ++k) {
       int const j = participants.number(batch.slot(k));
       Real const push = contact_(i, participants(j));
-      if (island_ != everyone)
+      if (notes_)
         participants.note_push(j, id, static_cast<double>(push));
       follow(batch.slot(k), participants(j).position);
     }
@@ -174,7 +167,7 @@ class ResolveInOrder {
     Real const reach2 = state.diameter * state.diameter;
     int const cell = strays_.cell(i);
     neighbours_.for_each_around_above(cell, p, reach2, above, [&](int k, Vec2<Real>) {
-      if (takes_part(k) && !strays_.is_astray(k))
+      if (!strays_.is_astray(k))
         visit(k);
     });
     if (strays_.near(cell) == 0)
@@ -212,7 +205,7 @@ class ResolveInOrder {
   OrderedContact<Space, Real, LawType, periodic> contact_;
   Neighbours<Space, Real, periodic> neighbours_; ///< where they are now
   Strays<Space> strays_;
-  int island_;
+  bool notes_;
   double slack_x_, slack_y_; ///< how far from its cell a disc is found there [cells]
 };
 

@@ -258,12 +258,16 @@ struct Conclude {
   KOKKOS_INLINE_FUNCTION void operator()(int b, Books& books) const
   {
     Books own;
-    for_each_in_block(b, block, numbers, [&](int k) { conclude(k, own); });
+    Real closest = Tally<Real>{}.closest;
+    for_each_in_block(b, block, numbers, [&](int k) { conclude(k, own, closest); });
+    // Rounding is monotone: of all overlaps the deepest is, bit for bit, that of the closest pair.
+    double const deepest = overlap(closest, contact.state.diameter);
+    own.max_overlap = deepest > 0 ? deepest : 0;
     books.merge(own);
   }
 
  private:
-  KOKKOS_FORCEINLINE_FUNCTION void conclude(int k, Books& books) const
+  KOKKOS_FORCEINLINE_FUNCTION void conclude(int k, Books& books, Real& closest) const
   {
     auto const& own = contact.participants(k);
     int const slot = own.slot;
@@ -283,8 +287,7 @@ struct Conclude {
     books.virial.add_one_of_few(own.tally.virial, state.scales.virial);
     books.collisions += own.tally.received;
     books.separating_hits += own.tally.separating;
-    double const deepest = overlap(own.tally.closest, state.diameter);
-    books.max_overlap = deepest > books.max_overlap ? deepest : books.max_overlap;
+    closest = own.tally.closest < closest ? own.tally.closest : closest;
     state.discs.set_velocity(slot, own.velocity);
     state.discs.set_position(slot, own.position);
   }
