@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ricochet/books.hpp"
+#include "ricochet/cell_grid.hpp"
 #include "ricochet/contact_law.hpp"
 #include "ricochet/neighbours.hpp"
 #include "ricochet/walls.hpp"

@@ -1,7 +1,7 @@
 // Who is near: the searches of all engines.
 #pragma once
 
-#include "ricochet/cell_grid.hpp"
+#include "ricochet/cells.hpp"
 #include "ricochet/domain.hpp"
 
 #include <limits>

@@ -1,4 +1,5 @@
 // The cell grid: how discs are stored, and that the search over it misses nobody.
+#include "ricochet/cell_grid.hpp"
 #include "ricochet/diagnostics.hpp"
 #include "ricochet/neighbours.hpp"
 #include "support/scenes.hpp"
