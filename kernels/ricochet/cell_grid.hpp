@@ -11,6 +11,65 @@
 
 namespace ricochet {
 
+/// Finds the cell of each disc, counts the discs of each cell in its start, and ranks them by how
+/// they are counted. A block of discs at a time: first all cells, in vectors, then all counts.
+template <class Space, class Real>
+struct CountInCells {
+  static constexpr int block = block_on_host<Space, 64>;
+
+  Discs<Space, Real> discs;
+  Cells<Space> cells;
+  Kokkos::View<int*, Space> cell, rank;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
+  {
+    int const first = b * block, n = discs.count(), end = first + block < n ? first + block : n;
+    for (int i = first; i < end; ++i)
+      cell(i) = cells.at(discs.position(i));
+    // Discs that come to the next row are the first there, which no hardware foresees.
+    for (int i = first; i < end; i += per_cache_line<Real>)
+      fetch_ahead(cells.start(cells.in_next_row(cell(i))));
+    for (int i = first; i < end; ++i)
+      rank(i) = fetch_add<Space>(cells.start(cell(i)), 1);
+  }
+};
+
+/// Stores discs from where their cells start, by rank. A block of discs at a time: first all slots,
+/// then one array after the other.
+template <class Space, class Real>
+struct StoreByCell {
+  static constexpr int block = block_on_host<Space, 32>;
+
+  Discs<Space, Real> from, to;
+  Cells<Space> cells;
+  Kokkos::View<int*, Space> cell, rank;
+  Kokkos::View<int*, Space> stored_cell; ///< by slot
+
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
+  {
+    int const first = b * block, n = from.count(), end = first + block < n ? first + block : n;
+    int slot[block];
+    for (int i = first; i < end; ++i)
+      slot[i - first] = cells.start(cell(i)) + rank(i);
+    int const next_row = cells.start(cells.in_next_row(cell(first))) + block;
+    for (int k = next_row; k < next_row + block && k < n; k += per_cache_line<Real>) {
+      to.fetch_motion_ahead(k);
+      fetch_ahead(to.id(k));
+      fetch_ahead(stored_cell(k));
+    }
+    auto const store = [&](auto const& values, auto const& stored) {
+      for (int i = first; i < end; ++i)
+        stored(slot[i - first]) = values(i);
+    };
+    store(from.x, to.x);
+    store(from.y, to.y);
+    store(from.vx, to.vx);
+    store(from.vy, to.vy);
+    store(from.id, to.id);
+    store(cell, stored_cell);
+  }
+};
+
 /// Sorts order(first)...order(last - 1) by the id of the slot each entry names.
 template <class Space>
 struct SortCellById {
@@ -141,12 +200,9 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   auto const start = cells_.start, unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_;
 
   Kokkos::deep_copy(space, start, 0);
-  Kokkos::parallel_for(
-      "ricochet::count_in_cells", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
-        int const c = cells.at(from.position(i));
-        unsorted_cell(i) = c;
-        rank(i) = fetch_add<Space>(start(c), 1);
-      });
+  using Count = CountInCells<Space, Real>;
+  Kokkos::parallel_for("ricochet::count_in_cells", Range<Space>(space, 0, blocks_of(Count::block, n)),
+                       Count{from, cells, unsorted_cell, rank});
   // In blocks, whose sums stay in a register.
   constexpr int block = block_on_host<Space, 64>;
   int const counts = cells.count() + 1;
@@ -176,14 +232,9 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
           rank(i) = slot - start(unsorted_cell(i));
         });
   }
-  Kokkos::parallel_for(
-      "ricochet::store_by_cell", Range<Space>(space, 0, n), KOKKOS_LAMBDA(int i) {
-        int const c = unsorted_cell(i), slot = start(c) + rank(i);
-        to.set_position(slot, from.position(i));
-        to.set_velocity(slot, from.velocity(i));
-        to.id(slot) = from.id(i);
-        cell(slot) = c;
-      });
+  using Store = StoreByCell<Space, Real>;
+  Kokkos::parallel_for("ricochet::store_by_cell", Range<Space>(space, 0, blocks_of(Store::block, n)),
+                       Store{from, to, cells, unsorted_cell, rank, cell});
   std::swap(discs, spare_);
 }
 

@@ -182,6 +182,13 @@ struct Cells {
     return start(cell + stride() - 1);
   }
 
+  /// The cell beyond `cell` in the next row; after the last row the last cell.
+  KOKKOS_INLINE_FUNCTION int in_next_row(int cell) const
+  {
+    int const next = cell + stride(), last = count() - 1;
+    return next < last ? next : last;
+  }
+
   /// Calls visit(c) for all cells of the box that for_runs_around() looks into, each once; and for
   /// some outside, which are empty, where nothing is periodic.
   template <bool periodic, class Visit>

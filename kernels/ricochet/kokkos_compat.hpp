@@ -207,6 +207,10 @@ KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead(Value const& value)
 #endif
 }
 
+/// How many values fill a line of the cache.
+template <class Value>
+constexpr int per_cache_line = static_cast<int>(64 / sizeof(Value));
+
 /// Place of the lowest bit that is set in `bits`, which is not 0.
 KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits)
 {
