@@ -143,6 +143,10 @@ KokkosSession::KokkosSession(KokkosOptions const& options)
 
   require_device();
   translate_environment(options);
+#if defined(KOKKOS_ENABLE_OPENMP)
+  if (options.threads)
+    omp_set_num_threads(*options.threads); // or Kokkos starts all there could be, to count them
+#endif
   try {
     initialise(std::move(arguments));
   } catch (std::exception const& error) {
