@@ -45,7 +45,6 @@ template <class Real>
 struct Participant {
   Vec2<Real> position, velocity;
   int slot, id;
-  int island; ///< number of the root of its island
   Pushes pushes;
   Tally<Real> tally;
 };
@@ -70,8 +69,14 @@ struct Participants {
     int crowd_island = no_island; ///< the first of these
   };
 
+  /// What a disc is in a step.
+  struct Role {
+    int number; ///< the latest, if it takes part, or none
+    int island; ///< number of the root of its island, or none
+  };
+
   // By slot:
-  List<int> number;     ///< the latest of a disc that takes part, or none
+  List<Role> role;
   Forest<Space> forest; ///< its trees are the islands to be
   CallUps<Space> calls;
   // By number:
@@ -83,7 +88,7 @@ struct Participants {
   float far_from; ///< which is a path longer than this [length]
 
   Participants(int discs, double far_path)
-    : number(uninitialised<List<int>>("ricochet::participant_number", discs)),
+    : role(uninitialised<List<Role>>("ricochet::role_in_step", discs)),
       forest(discs),
       calls(discs, first_room(discs)),
       counts("ricochet::participant_counts"),
@@ -142,19 +147,27 @@ struct Participants {
   }
 
   KOKKOS_INLINE_FUNCTION Participant<Real>& operator()(int k) const { return list(k); }
+  KOKKOS_INLINE_FUNCTION int number(int slot) const { return role(slot).number; }
+  KOKKOS_INLINE_FUNCTION int island(int slot) const { return role(slot).island; }
+
+  /// Puts a disc into an island.
+  KOKKOS_INLINE_FUNCTION void join(int k, int root) const
+  {
+    role(list(k).slot).island = root;
+    chains.append(root, k);
+  }
 
   /// Makes a disc take part, from the start of the step on.
   template <bool periodic>
   KOKKOS_INLINE_FUNCTION void begin(PairState<Space, Real, periodic> const& state, int slot,
                                     int k) const
   {
-    number(slot) = k;
+    role(slot) = {k, k};
     chains.reset(k);
     list(k) = {state.discs.position(slot),
                state.discs.velocity(slot),
                slot,
                state.discs.id(slot),
-               k,
                {},
                {}};
   }
@@ -192,7 +205,7 @@ struct Participants {
   /// Makes a disc one that does not take part.
   KOKKOS_INLINE_FUNCTION void reset(int slot) const
   {
-    number(slot) = none;
+    role(slot) = {none, none};
     forest.reset(slot);
   }
   struct Reset {

@@ -213,9 +213,7 @@ typename Participants<Space, Real>::Counts OrderedPairs<Space, Real>::execute_is
   auto const participants = contact.participants;
   Kokkos::parallel_for(
       "ricochet::join_islands", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int k) {
-        int const root = participants.number(participants.forest.root(participants(k).slot));
-        participants(k).island = root;
-        participants.chains.append(root, k);
+        participants.join(k, participants.number(participants.forest.root(participants(k).slot)));
       });
   Kokkos::parallel_for("ricochet::execute_islands", Range<Space>(space, begin, end),
                        ExecuteIsland<Space, Real, LawType, periodic>{contact, largest_island()});
@@ -235,21 +233,18 @@ void OrderedPairs<Space, Real>::execute_crowd(
   int const largest = largest_island();
   Kokkos::parallel_for(
       "ricochet::join_crowd", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int root) {
-        if (root == crowd || participants(root).island != root ||
-            participants.island_size(root) <= largest)
+        if (root == crowd || participants.island_size(root) <= largest)
           return;
         participants.forest.unite(participants(root).slot, participants(crowd).slot);
-        participants.chains.for_each(root, [&](int k) {
-          participants(k).island = crowd;
-          participants.chains.append(crowd, k);
-        });
+        participants.chains.for_each(root, [&](int k) { participants.join(k, crowd); });
       });
   using Resolve = ResolveInOrder<Space, Real, LawType, periodic>;
   Kokkos::deep_copy(space, spare.x, Resolve::nowhere);
   Kokkos::parallel_for(
       "ricochet::begin_crowd", Range<Space>(space, begin, end), KOKKOS_LAMBDA(int k) {
-        if (participants(k).island == crowd)
-          spare.set_position(participants(k).slot, participants(k).position);
+        int const slot = participants(k).slot;
+        if (participants.island(slot) == crowd)
+          spare.set_position(slot, participants(k).position);
       });
   execute_in_order(space, contact, true);
   Kokkos::parallel_for(

@@ -43,7 +43,7 @@ struct UniteIslands {
 
   KOKKOS_INLINE_FUNCTION bool apart(Participant<Real> const& j, int k) const
   {
-    return j.island != island_of(k);
+    return participants.island(j.slot) != participants.island(k);
   }
   KOKKOS_INLINE_FUNCTION void note(int j, int k) const
   {
@@ -53,16 +53,10 @@ struct UniteIslands {
   }
 
  private:
-  KOKKOS_INLINE_FUNCTION int island_of(int slot) const
-  {
-    int const k = participants.number(slot);
-    return k < 0 ? k : participants(k).island;
-  }
-
   KOKKOS_INLINE_FUNCTION void call_up_island(int slot) const
   {
     auto const& calls = participants.calls;
-    int const root = island_of(slot);
+    int const root = participants.island(slot);
     if (root < 0)
       calls.call_up(slot, pass + 1);
     else if (calls.call_up(participants(root).slot, pass + 1)) // or somebody else does this
@@ -83,8 +77,6 @@ struct ExecuteIsland {
   KOKKOS_INLINE_FUNCTION void operator()(int root) const
   {
     auto const& participants = contact.participants;
-    if (participants(root).island != root)
-      return;
     int member[island_limit], size = 0;
     participants.chains.for_each(root, [&](int k) {
       if (size < largest)
@@ -92,7 +84,7 @@ struct ExecuteIsland {
       ++size;
     });
     if (size <= largest)
-      execute(member, size);
+      execute(member, size); // of no disc, if this is not a root
     else
       participants.note_crowd(root, size);
   }
