@@ -45,6 +45,7 @@ template <class Real>
 struct Participant {
   Vec2<Real> position, velocity;
   int slot, id;
+  bool was_pushed; ///< in a pass before this one
   Pushes pushes;
   Tally<Real> tally;
 };
@@ -162,12 +163,16 @@ struct Participants {
   KOKKOS_INLINE_FUNCTION void begin(PairState<Space, Real, periodic> const& state, int slot,
                                     int k) const
   {
+    int const before = number(slot);
+    bool const was_pushed =
+        before != none && (list(before).was_pushed || list(before).pushes.any());
     role(slot) = {k, k};
     chains.reset(k);
     list(k) = {state.discs.position(slot),
                state.discs.velocity(slot),
                slot,
                state.discs.id(slot),
+               was_pushed,
                {},
                {}};
   }

@@ -31,9 +31,7 @@ class OrderedPairs {
   OrderedPairs(CellGrid<Space, Real> const& grid, double diameter, Execution execution, int discs)
     : execution_(execution),
       strays_(grid),
-      // Few discs of a gas are pushed as far, and look around again in each pass; all that are
-      // executed again look as far.
-      participants_(discs, diameter / 2),
+      participants_(discs, far_path(grid, diameter)),
       part_("ricochet::part_of_pair_books")
   {
   }
@@ -78,6 +76,13 @@ class OrderedPairs {
   {
     return execution_ == Execution::rounds ||
            (execution_ == Execution::automatic && !shares_host_memory<Space>);
+  }
+
+  /// A longer path is far: discs pushed so far look around again in each pass, while all that are
+  /// executed again look as far. That is as far as the cells around reach, and few of a gas are.
+  static double far_path(CellGrid<Space, Real> const& grid, double diameter)
+  {
+    return std::max(0.0, grid.cells().side() * (1 - 1e-4) - diameter);
   }
 
   /// Larger islands are for the crowd.

@@ -127,7 +127,8 @@ struct ExecuteIsland {
 /// diameter and its path; and, if it was pushed more than once, at a place on its path.
 ///
 /// Discs that are executed again must also find those that are not, and were pushed: they look
-/// farther, or, which is cheaper where these were pushed far, are looked for.
+/// farther, or, which is cheaper where these were pushed far, are looked for. Only one that has
+/// never been pushed need not: it is where it was when those others looked.
 template <class Space, class Real, bool periodic, class Pairs>
 struct Verify {
   PairState<Space, Real, periodic> state;
@@ -146,7 +147,8 @@ struct Verify {
     double const far = static_cast<double>(participants.far_from);
     if (all)
       pushed(own);
-    else // others, which do not look for it, may have been pushed up to `far`
+    else if (own.pushes.any() || own.was_pushed)
+      // Others, which do not look for it, may have been pushed up to `far`.
       look_around(own, path + (is_on_a_path(own) && path > far ? path : far));
   }
 
