@@ -55,7 +55,8 @@ struct Times {
 };
 
 /// An engine at work on the time in which a disc at the thermal speed flies its diameter, always
-/// from the same state.
+/// from the same state, and from the second step on: a state comes in the order of ids, and a run
+/// that goes on has stored it by cell.
 class Work {
  public:
   Work(perf::Gas const& gas, EngineKind engine, double q, Placement placement,
@@ -78,13 +79,23 @@ class Work {
     start_ = simulation_->checkpoint();
   }
 
-  void measure()
+  void begin()
   {
     simulation_->restore(start_);
+    simulation_->advance(1);
     Kokkos::fence();
-    double const start = seconds();
+  }
+  void go_on()
+  {
     simulation_->advance(steps_);
     Kokkos::fence();
+  }
+
+  void measure()
+  {
+    begin();
+    double const start = seconds();
+    go_on();
     times_.all.push_back(seconds() - start);
   }
 
@@ -111,6 +122,12 @@ class Work {
   Times times_;
 };
 
+/// Contacts of a disc in a step.
+double contacts_of_a_step(Report const& report)
+{
+  return static_cast<double>(report.collisions) / static_cast<double>(report.steps * report.discs);
+}
+
 void print_speeds(int discs)
 {
   for (double const packing : packings) {
@@ -127,8 +144,7 @@ void print_speeds(int discs)
       auto const report = one.report();
       all.report();
       std::printf("| `%s` | %g | %d | %g | %.4f | %.0f | %.0f | %.0f | %.0f | %.2f |\n",
-                  name(engine), q, discs, packing,
-                  static_cast<double>(report.collisions) / one.disc_steps(), rate(times.best()),
+                  name(engine), q, discs, packing, contacts_of_a_step(report), rate(times.best()),
                   rate(times.median()), rate(times_all.best()), rate(times_all.median()),
                   times.best() / times_all.best());
       std::fflush(stdout);
@@ -221,9 +237,7 @@ void print_order(int discs)
       auto const time = [](Work const& work) { return work.times().best() / work.disc_steps(); };
       auto const report = in_order.report();
       std::printf("| %d | %g | %g | %.3f | %.0f | %.2f | %.2f |\n", discs, packing, q,
-                  static_cast<double>(report.collisions) /
-                      static_cast<double>(report.steps * report.discs),
-                  1e9 * time(in_order), time(chosen) / time(in_order),
+                  contacts_of_a_step(report), 1e9 * time(in_order), time(chosen) / time(in_order),
                   time(chosen_by_all) / time(in_order));
       std::fflush(stdout);
     }
@@ -323,11 +337,14 @@ void print_bounds(int discs, double packing, Placement placement)
   Work work(gas, EngineKind::toi, q_toi, placement);
   work.measure();
   KernelTimes::instance().entries.clear();
+  work.begin();
   KernelTimes::listen(true);
-  work.measure();
+  work.go_on();
   KernelTimes::listen(false);
   auto const report = work.report();
   double const disc_steps = work.disc_steps();
+  double const contacts = static_cast<double>(report.collisions + report.wall_hits) *
+                          (disc_steps / static_cast<double>(report.steps * report.discs));
   std::printf("\nN = %d, packing %g, %d threads; triad %.1f GB/s. A step of a disc:\n\n"
               "| kernel | ns | bytes | GB/s | share of triad |\n|---|---|---|---|---|\n",
               discs, packing, work.threads(), bandwidth / 1e9);
@@ -341,9 +358,8 @@ void print_bounds(int discs, double packing, Placement placement)
       rest += entry.time;
       continue;
     }
-    double const bytes =
-        traffic->per_disc * discs * static_cast<double>(entry.launches) +
-        traffic->per_contact * static_cast<double>(report.collisions + report.wall_hits);
+    double const bytes = traffic->per_disc * discs * static_cast<double>(entry.launches) +
+                         traffic->per_contact * contacts;
     bytes_in_all += bytes;
     std::printf("| %s | %.2f | %.1f | %.1f | %.0f %% |\n", kernel.c_str() + 10,
                 1e9 * entry.time / disc_steps, bytes / disc_steps, bytes / entry.time / 1e9,

@@ -201,7 +201,8 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
 
   Kokkos::deep_copy(space, start, 0);
   using Count = CountInCells<Space, Real>;
-  Kokkos::parallel_for("ricochet::count_in_cells", Range<Space>(space, 0, blocks_of(Count::block, n)),
+  Kokkos::parallel_for("ricochet::count_in_cells",
+                       Range<Space>(space, 0, blocks_of(Count::block, n)),
                        Count{from, cells, unsorted_cell, rank});
   // In blocks, whose sums stay in a register.
   constexpr int block = block_on_host<Space, 64>;
@@ -233,7 +234,8 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
         });
   }
   using Store = StoreByCell<Space, Real>;
-  Kokkos::parallel_for("ricochet::store_by_cell", Range<Space>(space, 0, blocks_of(Store::block, n)),
+  Kokkos::parallel_for("ricochet::store_by_cell",
+                       Range<Space>(space, 0, blocks_of(Store::block, n)),
                        Store{from, to, cells, unsorted_cell, rank, cell});
   std::swap(discs, spare_);
 }

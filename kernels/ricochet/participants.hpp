@@ -89,7 +89,7 @@ struct Participants {
   float far_from; ///< which is a path longer than this [length]
 
   Participants(int discs, double far_path)
-    : role(uninitialised<List<Role>>("ricochet::role_in_step", discs)),
+    : role("ricochet::role_in_step", discs),
       forest(discs),
       calls(discs, first_room(discs)),
       counts("ricochet::participant_counts"),
