@@ -11,15 +11,26 @@
 
 namespace ricochet {
 
-/// Finds the cell of each disc, counts the discs of each cell in its start, and ranks them by how
-/// they are counted. A block of discs at a time: first all cells, in vectors, then all counts.
+/// Whether discs that stay in their cells are counted apart from those that come, see below.
+template <class Space>
+constexpr bool counts_staying = shares_host_memory<Space> && !one_at_a_time<Space>;
+
+/// Finds the cell of each disc, and counts and ranks the discs of each cell: a block of discs at a
+/// time, first all cells, in vectors, then all counts.
+///
+/// Threads of a host that share counters pay some twenty cycles a disc. So for them discs that are
+/// still in the cell they are stored in are counted apart: they follow each other in memory, so one
+/// work item sees them all. Only where they go on from the block before they count as if they came.
 template <class Space, class Real>
 struct CountInCells {
   static constexpr int block = block_on_host<Space, 64>;
 
   Discs<Space, Real> discs;
-  Cells<Space> cells;
-  Kokkos::View<int*, Space> cell, rank;
+  Cells<Space> cells; ///< starts become numbers of discs, but for those counted apart
+  Kokkos::View<int*, Space> staying; ///< by cell: those
+  Kokkos::View<int*, Space> stored;  ///< by slot: cell as of the last sort, or 0 before the first
+  Kokkos::View<int*, Space> cell;    ///< by slot: cell now
+  Kokkos::View<int*, Space> rank;    ///< by slot: for SlotOf
 
   KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
@@ -29,28 +40,71 @@ struct CountInCells {
     // Discs that come to the next row are the first there, which no hardware foresees.
     for (int i = first; i < end; i += per_cache_line<Real>)
       fetch_ahead(cells.start(cells.in_next_row(cell(i))));
-    for (int i = first; i < end; ++i)
-      rank(i) = fetch_add<Space>(cells.start(cell(i)), 1);
+    if constexpr (counts_staying<Space>)
+      count_apart(first, end);
+    else
+      for (int i = first; i < end; ++i)
+        rank(i) = fetch_add<Space>(cells.start(cell(i)), 1);
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION void count_apart(int first, int end) const
+  {
+    int const* const was = stored.data();
+    int const* const now = cell.data();
+    int* const stayed = staying.data();
+    int* const ranks = rank.data();
+    int came[block], others = 0;
+    int i = first;
+    for (; first > 0 && i < end && was[i] == was[first - 1]; ++i)
+      came[others++] = i;
+    int here = 0;                              // have stayed, of the cell gone through
+    for (int cell_before = -1; i < end; ++i) { // without a branch: what costs is mispredicted ones
+      int const stays = now[i] == was[i];
+      here &= -static_cast<int>(was[i] == cell_before);
+      cell_before = was[i];
+      ranks[i] = here;
+      here += stays;
+      stayed[was[i]] = here;
+      came[others] = i;
+      others += 1 - stays;
+    }
+    for (int k = 0; k < others; ++k)
+      rank(came[k]) = ~fetch_add<Space>(cells.start(now[came[k]]), 1);
   }
 };
 
-/// Stores discs from where their cells start, by rank. A block of discs at a time: first all slots,
-/// then one array after the other.
+/// Where discs are stored once it is known where cells start: those of ranks 0, 1, ... from the
+/// start of their cell on, those of ranks -1, -2, ... from its end back.
+template <class Space>
+struct SlotOf {
+  Kokkos::View<int*, Space> start, cell, rank;
+
+  KOKKOS_INLINE_FUNCTION int operator()(int i) const
+  {
+    bool const from_end = counts_staying<Space> && rank(i) < 0;
+    return start(cell(i) + (from_end ? 1 : 0)) + rank(i);
+  }
+};
+
+/// Stores discs in their slots. A block of discs at a time: first all slots, then one array after
+/// the other.
 template <class Space, class Real>
 struct StoreByCell {
   static constexpr int block = block_on_host<Space, 32>;
 
   Discs<Space, Real> from, to;
   Cells<Space> cells;
-  Kokkos::View<int*, Space> cell, rank;
+  SlotOf<Space> slot_of;
   Kokkos::View<int*, Space> stored_cell; ///< by slot
 
   KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
     int const first = b * block, n = from.count(), end = first + block < n ? first + block : n;
+    auto const& cell = slot_of.cell;
     int slot[block];
     for (int i = first; i < end; ++i)
-      slot[i - first] = cells.start(cell(i)) + rank(i);
+      slot[i - first] = slot_of(i);
     int const next_row = cells.start(cells.in_next_row(cell(first))) + block;
     for (int k = next_row; k < next_row + block && k < n; k += per_cache_line<Real>) {
       to.fetch_motion_ahead(k);
@@ -147,7 +201,7 @@ class CellGrid {
     : spare_(count),
       unsorted_cell_(uninitialised<Ints>("ricochet::unsorted_cell", count)),
       rank_(uninitialised<Ints>("ricochet::rank_in_cell", count)),
-      cell_(uninitialised<Ints>("ricochet::cell_of_slot", count))
+      cell_("ricochet::cell_of_slot", count)
   {
     Box const& box = model.box;
     // Larger cells where discs are sparse, or there would be many empty ones to go through. No
@@ -157,7 +211,9 @@ class CellGrid {
     double const side = std::max(least_side * 2 * model.radius, sparse);
     cells_.x = axis(box.width, box.x, side, count);
     cells_.y = axis(box.height, box.y, side, count);
-    cells_.start = Ints("ricochet::cell_start", static_cast<std::size_t>(cells_.count()) + 1);
+    auto const starts = static_cast<std::size_t>(cells_.count()) + 1;
+    cells_.start = Ints("ricochet::cell_start", starts);
+    staying_ = Ints("ricochet::staying_in_cell", counts_staying<Space> ? starts : 0);
   }
 
   /// Stores the discs by cell. Inside a cell their order is whatever the scheduler made it, so
@@ -188,7 +244,7 @@ class CellGrid {
 
   Cells<Space> cells_;
   Discs<Space, Real> spare_;
-  Ints unsorted_cell_, rank_, cell_;
+  Ints unsorted_cell_, rank_, cell_, staying_;
 };
 
 template <class Space, class Real>
@@ -197,15 +253,19 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   int const n = discs.count();
   auto const from = discs, to = spare_;
   auto const cells = cells_;
-  auto const start = cells_.start, unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_;
+  auto const start = cells_.start, staying = staying_;
+  auto const unsorted_cell = unsorted_cell_, rank = rank_, cell = cell_;
+  SlotOf<Space> const slot_of{start, unsorted_cell, rank};
 
   Kokkos::deep_copy(space, start, 0);
+  Kokkos::deep_copy(space, staying, 0);
   using Count = CountInCells<Space, Real>;
   Kokkos::parallel_for("ricochet::count_in_cells",
                        Range<Space>(space, 0, blocks_of(Count::block, n)),
-                       Count{from, cells, unsorted_cell, rank});
+                       Count{from, cells, staying, cell, unsorted_cell, rank});
   // In blocks, whose sums stay in a register.
   constexpr int block = block_on_host<Space, 64>;
+  constexpr bool apart = counts_staying<Space>;
   int const counts = cells.count() + 1;
   scan(
       "ricochet::scan_cells", space, blocks_of(block, counts),
@@ -213,7 +273,7 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
         int const first = b * block, last = first + block < counts ? first + block : counts;
         int sum = before;
         for (int c = first; c < last; ++c) {
-          int const here = start(c);
+          int const here = start(c) + (apart ? staying(c) : 0);
           if (final)
             start(c) = sum;
           sum += here;
@@ -224,7 +284,7 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
     auto const order = cell_; // not needed yet
     Kokkos::parallel_for(
         "ricochet::list_cells", Range<Space>(space, 0, n),
-        KOKKOS_LAMBDA(int i) { order(start(unsorted_cell(i)) + rank(i)) = i; });
+        KOKKOS_LAMBDA(int i) { order(slot_of(i)) = i; });
     Kokkos::parallel_for("ricochet::sort_cells_by_id", Range<Space>(space, 0, cells.count()),
                          SortCellById<Space>{start, order, from.id});
     Kokkos::parallel_for(
@@ -236,7 +296,7 @@ void CellGrid<Space, Real>::sort(Space const& space, Discs<Space, Real>& discs, 
   using Store = StoreByCell<Space, Real>;
   Kokkos::parallel_for("ricochet::store_by_cell",
                        Range<Space>(space, 0, blocks_of(Store::block, n)),
-                       Store{from, to, cells, unsorted_cell, rank, cell});
+                       Store{from, to, cells, slot_of, cell});
   std::swap(discs, spare_);
 }
 

@@ -195,6 +195,28 @@ TYPED_TEST(CellGridOf, DiscsAreStoredByCell)
   expect_cell_order(Sorted<TypeParam>(model, {}));
 }
 
+// From one sort to the next discs stay in their cells, come and go; and in a crowd more stay in one
+// than a work item counts.
+TYPED_TEST(CellGridOf, DiscsThatMovedAreStoredByCellAgain)
+{
+  auto const model = box(31, 23, walls, walls);
+  auto crowd = random_discs(model, 1000, 1, Ids::shuffled, 4);
+  for (std::size_t k = 0; k < 400; ++k)
+    crowd[k].x = crowd[k].y = 1e-3 * static_cast<double>(k % 7);
+  Sorted<TypeParam> sorted(model, crowd);
+  for (int time = 0; time < 6; ++time) {
+    auto const discs = sorted.discs;
+    Kokkos::parallel_for(
+        "ricochet::move_every_third", Kokkos::RangePolicy<Space>(0, discs.count()),
+        KOKKOS_LAMBDA(int i) {
+          if (discs.id(i) % 3 == time % 3)
+            discs.x(i) += static_cast<TypeParam>(discs.id(i) % 2 == 0 ? 1.5 : -1.5);
+        });
+    sorted.sort(time == 3 ? Inside::by_id : Inside::any_order);
+    expect_cell_order(sorted);
+  }
+}
+
 TYPED_TEST(CellGridOf, InsideACellDiscsAreStoredByIdIfAskedFor)
 {
   auto const model = box(31, 23, walls, walls);
