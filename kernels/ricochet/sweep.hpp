@@ -165,9 +165,8 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
 {
   int const n = state.discs.count();
   participants_.reset_counts(space);
-  Kokkos::parallel_for("ricochet::unite_overlapping", Range<Space>(space, 0, n),
-                       FindOverlapping<Space, Real, periodic, UniteOverlapping<Space>>{
-                           state, state.neighbours(), {participants_.forest, participants_.calls}});
+  find_overlapping("ricochet::unite_overlapping", space, state,
+                   UniteOverlapping<Space>{participants_.forest, participants_.calls});
   int work = 0; // discs that are executed or verified, in each pass
   bool any_crowd = false;
   int begin = 0, end = 0; // of the numbers of a pass

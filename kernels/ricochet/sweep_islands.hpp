@@ -5,20 +5,36 @@
 
 namespace ricochet {
 
-/// Finds all pairs of discs that overlap.
+/// Finds all pairs of discs that overlap, a block of discs at a time.
 template <class Space, class Real, bool periodic, class Pairs>
 struct FindOverlapping {
+  static constexpr int block = block_on_host<Space, 256>;
+
   PairState<Space, Real, periodic> state;
   Neighbours<Space, Real, periodic> neighbours;
   Pairs pairs; ///< notes them
 
-  KOKKOS_INLINE_FUNCTION void operator()(int slot) const
+  KOKKOS_INLINE_FUNCTION void operator()(int b) const
   {
-    Real const reach2 = state.diameter * state.diameter;
-    neighbours.for_each_ahead(state.cell(slot), slot, reach2,
-                              [&](int k, Vec2<Real>) { pairs.note(slot, k); });
+    // A copy can stay in registers; what is reached through `this` is read again for every disc.
+    auto const own = *this;
+    Real const reach2 = own.state.diameter * own.state.diameter;
+    for_each_in_block(b, block, own.state.discs.count(), [&](int slot) {
+      own.neighbours.for_each_ahead(own.state.cell(slot), slot, reach2,
+                                    [&](int k, Vec2<Real>) { own.pairs.note(slot, k); });
+    });
   }
 };
+
+/// Calls pairs.note(j, k) for all pairs of discs that overlap.
+template <class Space, class Real, bool periodic, class Pairs>
+void find_overlapping(char const* label, Space const& space,
+                      PairState<Space, Real, periodic> const& state, Pairs const& pairs)
+{
+  using Find = FindOverlapping<Space, Real, periodic, Pairs>;
+  Kokkos::parallel_for(label, Range<Space>(space, 0, blocks_of(Find::block, state.discs.count())),
+                       Find{state, state.neighbours(), pairs});
+}
 
 /// What becomes of pairs that overlap at the start: one island.
 template <class Space>
@@ -131,6 +147,8 @@ struct ExecuteIsland {
 /// never been pushed need not: it is where it was when those others looked.
 template <class Space, class Real, bool periodic, class Pairs>
 struct Verify {
+  static constexpr int ahead = 8; ///< numbers that a work item looks ahead
+
   PairState<Space, Real, periodic> state;
   Neighbours<Space, Real, periodic> neighbours; ///< where discs started
   Participants<Space, Real> participants;
@@ -138,10 +156,12 @@ struct Verify {
   /// Whether all discs are verified that were executed in this step; or those that were executed
   /// again, and all that were pushed far.
   bool all;
+  int last; ///< number of this pass
 
   /// Verifies a disc that was executed.
   KOKKOS_INLINE_FUNCTION void operator()(int k) const
   {
+    fetch_ahead_around(participants(k + ahead < last ? k + ahead : last).position);
     auto const& own = participants(k);
     double const path = static_cast<double>(own.pushes.path);
     double const far = static_cast<double>(participants.far_from);
@@ -162,6 +182,15 @@ struct Verify {
   }
 
  private:
+  /// Begins to fetch the next row of cells: those before were looked at not long ago.
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead_around(Vec2<Real> place) const
+  {
+    int const slot = state.cells.first_of_next_row(state.cells.at(place));
+    fetch_ahead(state.discs.x(slot));
+    fetch_ahead(state.discs.y(slot));
+    fetch_ahead(participants.role(slot));
+  }
+
   KOKKOS_INLINE_FUNCTION void pushed(Participant<Real> const& own) const
   {
     double const path = static_cast<double>(own.pushes.path);
@@ -231,8 +260,8 @@ void verify(Space const& space, PairState<Space, Real, periodic> const& state,
             Participants<Space, Real> const& participants, Pairs const& pairs, int pass, int begin,
             int end, int far)
 {
-  Verify<Space, Real, periodic, Pairs> const verify{state, state.neighbours(), participants, pairs,
-                                                    pass == 1};
+  Verify<Space, Real, periodic, Pairs> const verify{state, state.neighbours(), participants,
+                                                    pairs, pass == 1,          end - 1};
   Kokkos::parallel_for("ricochet::verify", Range<Space>(space, begin, end), verify);
   if (pass > 1)
     Kokkos::parallel_for("ricochet::verify_far", Range<Space>(space, 0, far),

@@ -226,9 +226,8 @@ int Rounds<Space, Real>::resolve(Space const& space, PairState<Space, Real, peri
   int begin = 0, end = 0; // of the numbers of a pass
   int known = 0;          // pairs that have had their turn
   int found = find_pairs(space, n, 0, [&] {
-    Kokkos::parallel_for("ricochet::list_overlapping", Range<Space>(space, 0, n),
-                         FindOverlapping<Space, Real, periodic, ListPairs<Space>>{
-                             state, state.neighbours(), {lists_, participants.forest}});
+    find_overlapping("ricochet::list_overlapping", space, state,
+                     ListPairs<Space>{lists_, participants.forest});
   });
   for (int pass = 1; found > known; ++pass) {
     call_up_islands(space, participants, pass, known, found);
