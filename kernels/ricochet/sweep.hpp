@@ -62,8 +62,10 @@ class OrderedPairs {
   static constexpr int largest_crowd_part = 4, most_passes = 12, crowd_part = 10;
   /// So it is where more than this share of the discs takes part, each counted in every pass that
   /// it is executed in or verified: more of many, which the loop in order does not find in a cache.
-  static constexpr double worthwhile_of_few = 0.45, worthwhile_of_many = 0.75;
+  static constexpr double worthwhile_of_few = 0.45, worthwhile_of_many = 0.7;
   static constexpr int few = 50000;
+  /// The kernels of a further pass take a host as long to start as so many discs to execute.
+  static constexpr int further_pass = shares_host_memory<Space> ? 150 : 0;
   /// After a step that was not worth it, islands are left alone for a while, twice as long each
   /// time.
   static constexpr int longest_pause = 32;
@@ -174,7 +176,7 @@ int OrderedPairs<Space, Real>::resolve_islands(Space const& space,
     end = begin + participants_.list_called(space, pass);
     if (end == begin)
       break;
-    work += end - begin;
+    work += end - begin + (pass > 1 ? further_pass : 0);
     if (execution_ == Execution::automatic && is_too_much(pass, work, n)) {
       participants_.dissolve(space);
       return not_done;
