@@ -100,7 +100,7 @@ struct Cells {
   Kokkos::View<int*, Space> start;
 
   /// Number of cells, with those around the box.
-  int count() const { return stride() * (y.count + 2) + 1; }
+  KOKKOS_INLINE_FUNCTION int count() const { return stride() * (y.count + 2) + 1; }
 
   template <class Real>
   KOKKOS_FORCEINLINE_FUNCTION int at(Vec2<Real> p) const
