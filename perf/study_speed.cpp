@@ -1,9 +1,10 @@
 // How fast `sweep` and `toi` are, on one thread and on all, and what bounds it: their speed beside
 // the correctness of `toi`, the price of each term, the bytes that the kernels move beside the
-// bandwidth of the memory, and the loop of `sweep` in order beside the way that it chooses.
+// bandwidth of the memory, the kernels of `sweep`, and its loop in order beside the way that it
+// chooses.
 //
 //   study_speed [ROUNDS [PART]]   5 rounds, in which what is compared takes turns;
-//                                 PART: speeds, correctness, terms, bounds or order, or all
+//                                 PART: speeds, correctness, terms, order, bounds or kernels
 
 #include "scenes.hpp"
 
@@ -12,6 +13,7 @@
 #include <Kokkos_Core.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -275,6 +277,16 @@ struct KernelTimes {
     ++entry.launches;
   }
 
+  /// Listens to what is measured of a work, once more.
+  static void add(Work& work)
+  {
+    work.begin();
+    listen(true);
+    work.go_on();
+    listen(false);
+  }
+
+ private:
   static void listen(bool yes)
   {
     using namespace Kokkos::Tools::Experimental;
@@ -337,10 +349,7 @@ void print_bounds(int discs, double packing, Placement placement)
   Work work(gas, EngineKind::toi, q_toi, placement);
   work.measure();
   KernelTimes::instance().entries.clear();
-  work.begin();
-  KernelTimes::listen(true);
-  work.go_on();
-  KernelTimes::listen(false);
+  KernelTimes::add(work);
   auto const report = work.report();
   double const disc_steps = work.disc_steps();
   double const contacts = static_cast<double>(report.collisions + report.wall_hits) *
@@ -368,6 +377,40 @@ void print_bounds(int discs, double packing, Placement placement)
   std::printf("| all others | %.2f | | | |\n| **together** | %.2f | %.1f | %.1f | %.0f %% |\n",
               1e9 * rest / disc_steps, 1e9 * time_in_all / disc_steps, bytes_in_all / disc_steps,
               bytes_in_all / time_in_all / 1e9, 100 * bytes_in_all / time_in_all / bandwidth);
+  std::fflush(stdout);
+}
+
+/// What the kernels of `sweep` take, in the mean of all rounds.
+void print_kernels(double packing, Placement placement)
+{
+  constexpr std::array<int, 3> sizes{10000, 100000, 1000000};
+  std::map<std::string, std::array<double, sizes.size()>> times;
+  int threads = 0;
+  for (std::size_t size = 0; size < sizes.size(); ++size) {
+    auto const gas = perf::melted_gas(sizes[size], packing, dissipative, gravity);
+    Work work(gas, EngineKind::sweep, q_sweep, placement);
+    work.measure();
+    KernelTimes::instance().entries.clear();
+    for (int round = 0; round < rounds; ++round)
+      KernelTimes::add(work);
+    work.report();
+    threads = work.threads();
+    for (auto const& [kernel, entry] : KernelTimes::instance().entries) {
+      double const time = 1e9 * entry.time / (rounds * work.disc_steps());
+      times[kernel][size] += time;
+      times["together"][size] += time;
+    }
+  }
+  std::printf("\nPacking %g, %d threads. A step of a disc, ns:\n\n| kernel |", packing, threads);
+  for (int const size : sizes)
+    std::printf(" %d |", size);
+  std::puts("\n|---|---|---|---|");
+  for (auto const& [kernel, of_sizes] : times) {
+    std::printf("| %s |", kernel.c_str());
+    for (double const time : of_sizes)
+      std::printf(" %.2f |", time);
+    std::puts("");
+  }
   std::fflush(stdout);
 }
 
@@ -404,6 +447,10 @@ void run(std::string const& part)
         print_bounds<Kokkos::Serial>(discs, packing, Placement::serial);
 #endif
       }
+  if (wants("kernels"))
+    for (double const packing : packings)
+      for (auto const placement : {Placement::serial, Placement::parallel})
+        print_kernels(packing, placement);
 }
 
 } // namespace
