@@ -185,7 +185,8 @@ struct Verify {
   /// Begins to fetch the next row of cells: those before were looked at not long ago.
   KOKKOS_FORCEINLINE_FUNCTION void fetch_ahead_around(Vec2<Real> place) const
   {
-    int const slot = state.cells.first_of_next_row(state.cells.at(place));
+    int const next = state.cells.first_of_next_row(state.cells.at(place));
+    int const last_slot = state.discs.count() - 1, slot = next < last_slot ? next : last_slot;
     fetch_ahead(state.discs.x(slot));
     fetch_ahead(state.discs.y(slot));
     fetch_ahead(participants.role(slot));
