@@ -4,7 +4,8 @@
 // chooses.
 //
 //   study_speed [ROUNDS [PART]]   5 rounds, in which what is compared takes turns;
-//                                 PART: speeds, correctness, terms, order, bounds or kernels
+//                                 PART: speeds, correctness, terms, order, bounds or kernels; all
+//                                 of them if left out
 
 #include "scenes.hpp"
 
@@ -277,13 +278,19 @@ struct KernelTimes {
     ++entry.launches;
   }
 
-  /// Listens to what is measured of a work, once more.
-  static void add(Work& work)
+  /// Of what is measured of a work, so many times.
+  static std::map<std::string, Entry> const& of(Work& work, int times)
   {
-    work.begin();
-    listen(true);
-    work.go_on();
-    listen(false);
+    work.measure();
+    auto& entries = instance().entries;
+    entries.clear();
+    for (int time = 0; time < times; ++time) {
+      work.begin();
+      listen(true);
+      work.go_on();
+      listen(false);
+    }
+    return entries;
   }
 
  private:
@@ -347,9 +354,7 @@ void print_bounds(int discs, double packing, Placement placement)
   double const bandwidth = triad<Space>();
   auto const gas = perf::melted_gas(discs, packing, dissipative, gravity);
   Work work(gas, EngineKind::toi, q_toi, placement);
-  work.measure();
-  KernelTimes::instance().entries.clear();
-  KernelTimes::add(work);
+  auto const& times = KernelTimes::of(work, 1);
   auto const report = work.report();
   double const disc_steps = work.disc_steps();
   double const contacts = static_cast<double>(report.collisions + report.wall_hits) *
@@ -358,7 +363,7 @@ void print_bounds(int discs, double packing, Placement placement)
               "| kernel | ns | bytes | GB/s | share of triad |\n|---|---|---|---|---|\n",
               discs, packing, work.threads(), bandwidth / 1e9);
   double bytes_in_all = 0, time_in_all = 0, rest = 0;
-  for (auto const& [kernel, entry] : KernelTimes::instance().entries) {
+  for (auto const& [kernel, entry] : times) {
     time_in_all += entry.time;
     auto const* const traffic =
         std::find_if(std::begin(traffics), std::end(traffics),
@@ -389,13 +394,10 @@ void print_kernels(double packing, Placement placement)
   for (std::size_t size = 0; size < sizes.size(); ++size) {
     auto const gas = perf::melted_gas(sizes[size], packing, dissipative, gravity);
     Work work(gas, EngineKind::sweep, q_sweep, placement);
-    work.measure();
-    KernelTimes::instance().entries.clear();
-    for (int round = 0; round < rounds; ++round)
-      KernelTimes::add(work);
+    auto const& entries = KernelTimes::of(work, rounds);
     work.report();
     threads = work.threads();
-    for (auto const& [kernel, entry] : KernelTimes::instance().entries) {
+    for (auto const& [kernel, entry] : entries) {
       double const time = 1e9 * entry.time / (rounds * work.disc_steps());
       times[kernel][size] += time;
       times["together"][size] += time;

@@ -29,6 +29,15 @@ std::vector<typename View::non_const_value_type> on_host(View const& view)
   return values;
 }
 
+/// Random discs, the first `heaped` of which are in one place.
+std::vector<DiscState> crowd_in(Model const& model, std::size_t count, std::size_t heaped)
+{
+  auto discs = random_discs(model, count, 1, Ids::shuffled, 4);
+  for (std::size_t k = 0; k < heaped; ++k)
+    discs[k].x = discs[k].y = 1e-3 * static_cast<double>(k % 7);
+  return discs;
+}
+
 /// Discs on the device, sorted by a grid of their own.
 template <class Real>
 struct Sorted {
@@ -187,11 +196,7 @@ TYPED_TEST(CellGridOf, DiscsAreStoredByCell)
 {
   auto const model = box(31, 23, walls, walls);
   expect_cell_order(Sorted<TypeParam>(model, random_discs(model, 300, 1, Ids::shuffled, 3)));
-
-  auto crowd = random_discs(model, 300, 1, Ids::shuffled, 4);
-  for (std::size_t k = 0; k < 200; ++k)
-    crowd[k].x = crowd[k].y = 1e-3 * static_cast<double>(k % 7);
-  expect_cell_order(Sorted<TypeParam>(model, crowd));
+  expect_cell_order(Sorted<TypeParam>(model, crowd_in(model, 300, 200)));
   expect_cell_order(Sorted<TypeParam>(model, {}));
 }
 
@@ -200,10 +205,7 @@ TYPED_TEST(CellGridOf, DiscsAreStoredByCell)
 TYPED_TEST(CellGridOf, DiscsThatMovedAreStoredByCellAgain)
 {
   auto const model = box(31, 23, walls, walls);
-  auto crowd = random_discs(model, 1000, 1, Ids::shuffled, 4);
-  for (std::size_t k = 0; k < 400; ++k)
-    crowd[k].x = crowd[k].y = 1e-3 * static_cast<double>(k % 7);
-  Sorted<TypeParam> sorted(model, crowd);
+  Sorted<TypeParam> sorted(model, crowd_in(model, 1000, 400));
   for (int time = 0; time < 6; ++time) {
     auto const discs = sorted.discs;
     Kokkos::parallel_for(
@@ -221,9 +223,7 @@ TYPED_TEST(CellGridOf, InsideACellDiscsAreStoredByIdIfAskedFor)
 {
   auto const model = box(31, 23, walls, walls);
   // Also a crowd in one place, more than an insertion sort is used for.
-  auto states = random_discs(model, 300, 1, Ids::shuffled, 4);
-  for (std::size_t k = 0; k < 200; ++k)
-    states[k].x = states[k].y = 1e-3 * static_cast<double>(k % 7);
+  auto const states = crowd_in(model, 300, 200);
   Sorted<TypeParam> sorted(model, states);
   sorted.sort(Inside::by_id);
   expect_cell_order(sorted);
